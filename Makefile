@@ -1,0 +1,35 @@
+# `make demo` and `make test` do all their set-up; see CONTRIBUTING.md.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+OUT ?= demo-out
+
+.PHONY: setup demo test check docs bench clean
+
+setup: $(VENV)/ready
+
+$(VENV)/ready: requirements-dev.lock pyproject.toml scripts/setup
+	PYTHON="$(PYTHON)" scripts/setup $(VENV)
+	touch $@
+
+demo: setup
+	$(BIN)/litrig demo --out $(OUT)
+
+test: setup
+	$(BIN)/python -m pytest
+
+check: setup
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/python scripts/command_reference.py --check docs/commands.md
+
+docs: setup
+	$(BIN)/python scripts/command_reference.py docs/commands.md
+
+bench: setup
+	$(BIN)/python -m benchmarks.run docs/benchmarks.md
+
+clean:
+	rm -rf $(VENV) build dist demo-out .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis

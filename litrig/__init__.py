@@ -1,0 +1,1 @@
+"""Capture-rig controller and acquisition toolkit for Anisotropic MatCaps and polynomial texture maps."""
