@@ -1,0 +1,64 @@
+"""What a capture folder has to say to those who process it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Role(StrEnum):
+    """What a frame is for."""
+
+    FRAME = "frame"
+    WHITE = "white"
+    DARK = "dark"
+    BALL = "ball"
+    CHART = "chart"
+    CLOSURE = "closure"
+
+
+@dataclass(frozen=True)
+class CapturedFrame:
+    """One good picture of a session.
+
+    Attributes
+    ----------
+    path : the picture file
+    role : what it is for
+    angle_deg : turntable angle read back, counter-clockwise as the camera sees it; None where there was no turntable
+    light : (3,) float64, unit, view frame, sample to light; None where the light was not the rig's to move
+    """
+
+    path: Path
+    role: Role = Role.FRAME
+    angle_deg: float | None = None
+    light: NDArray[np.float64] | None = None
+
+
+@dataclass(frozen=True)
+class Capture:
+    """The good frames of a capture folder or of a plain folder of pictures.
+
+    Attributes
+    ----------
+    folder : where it lies
+    object_id : what was on the table
+    frames : in the order in which they were planned
+    tangent_zero_deg : tangent angle of the sample at turntable zero, from the view frame's x axis (AMC sessions)
+    sphere_distance_radii : camera to sphere centre in sphere radii, if the operator measured it
+    digest : sha256 over the names and digests of all frames, to tell in a result what it was made from
+    """
+
+    folder: Path
+    object_id: str
+    frames: tuple[CapturedFrame, ...]
+    tangent_zero_deg: float = 0.0
+    sphere_distance_radii: float | None = None
+    digest: str = ""
+
+    def having(self, role: Role) -> Iterator[CapturedFrame]:
+        """Go through the frames of one role."""
+        return (frame for frame in self.frames if frame.role is role)

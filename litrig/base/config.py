@@ -1,0 +1,68 @@
+"""TOML files read by strict models: an unknown key is an error that names it."""
+
+import tomllib
+from pathlib import Path
+from typing import TypeVar
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from litrig.base.errors import ConfigError
+
+LARGEST_TOML_BYTES = 4_000_000
+
+
+class StrictModel(BaseModel):
+    """The base of every model that a file is read into."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True, allow_inf_nan=False)
+
+
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def parse_toml(text: str, model: type[Model], source: str) -> Model:
+    """Read a model from TOML text; `source` names it in errors."""
+    try:
+        table = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise ConfigError(f"{source}: not valid TOML ({error}); mend that place") from error
+    try:
+        return model.model_validate(table)
+    except ValidationError as error:
+        raise ConfigError(f"{source}: {_describe(error)}") from error
+
+
+def read_toml(path: Path, model: type[Model]) -> Model:
+    """Read a model from a TOML file.
+
+    Raises
+    ------
+    ConfigError
+        The file is missing, is not TOML, or does not fit the model; every misfit is named by its key.
+    """
+    try:
+        if path.stat().st_size > LARGEST_TOML_BYTES:
+            raise ConfigError(f"{path}: larger than {LARGEST_TOML_BYTES:,} bytes; not a configuration file")
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError as error:
+        raise ConfigError(f"{path}: no such file; check the path") from error
+    except (OSError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path}: cannot be read ({error})") from error
+    return parse_toml(text, model, str(path))
+
+
+def _describe(error: ValidationError) -> str:
+    return "; ".join(_describe_one(dict(item)) for item in error.errors(include_url=False))
+
+
+def _describe_one(item: dict[str, object]) -> str:
+    place = item["loc"]
+    key = ".".join(str(part) for part in place) if isinstance(place, tuple) else str(place)
+    match item["type"]:
+        case "extra_forbidden":
+            return f"unknown key {key!r}; remove it or mend its spelling"
+        case "missing":
+            return f"key {key!r} is missing; add it"
+        case _:
+            message = str(item["msg"]).removeprefix("Value error, ")
+            return f"{key}: {message} (found {item['input']!r})" if key else message

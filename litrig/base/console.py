@@ -1,0 +1,70 @@
+"""Progress drawn for people: a bar with the time left on a terminal, plain lines elsewhere. For commands only."""
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, TaskID, TextColumn, TimeRemainingColumn
+from rich.progress import Progress as Bars
+
+from litrig.base.progress import Progress, Report
+
+SECONDS_BETWEEN_LINES = 5.0
+
+
+@contextmanager
+def reporting() -> Iterator[Report]:
+    """Yield a place to send progress to; it is drawn on standard error, so that answers can be piped."""
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield PlainLines()
+        return
+    columns = [
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[note]}", style="dim"),
+    ]
+    with Bars(*columns, console=console) as bars:
+        yield _BarPerJob(bars)
+
+
+class _BarPerJob:
+    def __init__(self, bars: Bars) -> None:
+        self._bars = bars
+        self._tasks: dict[str, TaskID] = {}
+
+    def __call__(self, progress: Progress) -> None:
+        if progress.job not in self._tasks:
+            self._tasks[progress.job] = self._bars.add_task(progress.job, total=progress.total, note="")
+        self._bars.update(self._tasks[progress.job], completed=progress.done, total=progress.total, note=progress.note)
+
+
+class PlainLines:
+    """A line when a job starts, every few seconds while it runs, and when it ends."""
+
+    def __init__(self) -> None:
+        self._job = ""
+        self._started_s = self._last_line_s = 0.0
+
+    def __call__(self, progress: Progress) -> None:
+        """Print the step if it is time to."""
+        now_s = time.monotonic()
+        if progress.job != self._job:
+            self._job, self._started_s, self._last_line_s = progress.job, now_s, 0.0
+        if progress.done < progress.total and now_s - self._last_line_s < SECONDS_BETWEEN_LINES:
+            return
+        self._last_line_s = now_s
+        left = _time_left(progress, now_s - self._started_s)
+        note = f"  {progress.note}" if progress.note else ""
+        sys.stderr.write(f"{progress.job}: {progress.done}/{progress.total}{left}{note}\n")
+        sys.stderr.flush()
+
+
+def _time_left(progress: Progress, elapsed_s: float) -> str:
+    if not 0 < progress.done < progress.total or elapsed_s < 1:
+        return ""
+    return f", {elapsed_s / progress.done * (progress.total - progress.done):.0f} s left"

@@ -1,0 +1,174 @@
+"""Pictures in and out: files on one side, linear float32 on the other.
+
+Row 0 is the top row. Display-encoded formats (JPEG, PNG, 8-bit and 16-bit TIFF) are sRGB; EXR and camera RAW are
+linear. A damaged file is an error: a decoder that paints what is missing grey would pass for a picture.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import OpenEXR
+import rawpy
+import simplejpeg
+from numpy.typing import NDArray
+
+from litrig.base.errors import FormatError, InputError
+from litrig.base.files import replacing
+from litrig.base.radiometry import F32, U8, decode_srgb, encode_srgb, to_u8
+
+RAW_ENDINGS = frozenset({".dng", ".nef", ".cr2", ".cr3", ".arw", ".raf", ".orf", ".rw2", ".pef"})
+JPEG_ENDINGS = frozenset({".jpg", ".jpeg"})
+DISPLAY_ENDINGS = JPEG_ENDINGS | {".png", ".tif", ".tiff"}
+PICTURE_ENDINGS = DISPLAY_ENDINGS | RAW_ENDINGS | {".exr"}
+
+LARGEST_PIXELS = 400_000_000
+_PNG_END = b"IEND\xaeB`\x82"
+
+
+def is_picture(path: Path) -> bool:
+    """Tell by its ending whether a file is a picture that `read_linear` knows."""
+    return path.suffix.lower() in PICTURE_ENDINGS
+
+
+def read_linear(path: Path) -> F32:
+    """Read a picture as linear light.
+
+    Returns
+    -------
+    picture : (H, W, 3) float32, linear; 0..1, or unbounded for EXR
+
+    Raises
+    ------
+    InputError, FormatError
+        The file is missing, of an unknown format, or damaged.
+    """
+    ending = path.suffix.lower()
+    if ending == ".exr":
+        return _read_exr_rgb(path)
+    if ending in RAW_ENDINGS:
+        return _read_raw(path)
+    codes = read_codes(path)
+    return decode_srgb(codes.astype(np.float32) / np.float32(np.iinfo(codes.dtype).max))
+
+
+def read_encoded(path: Path) -> F32:
+    """Read a picture as display values 0..1: as stored for display formats, sRGB-encoded for linear ones."""
+    if path.suffix.lower() in DISPLAY_ENDINGS:
+        codes = read_codes(path)
+        return codes.astype(np.float32) / np.float32(np.iinfo(codes.dtype).max)
+    return encode_srgb(read_linear(path))
+
+
+def read_codes(path: Path) -> NDArray[np.uint8] | NDArray[np.uint16]:
+    """Read the stored integers of a JPEG, PNG or TIFF, (H, W, 3) uint8 or uint16, RGB."""
+    content = _read_bytes(path)
+    if path.suffix.lower() in JPEG_ENDINGS:
+        return decode_jpeg(content, str(path))
+    if path.suffix.lower() not in DISPLAY_ENDINGS:
+        raise InputError(f"{path}: unknown picture format; use JPEG, PNG, TIFF, EXR or a camera RAW file")
+    if path.suffix.lower() == ".png" and _PNG_END not in content[-32:]:
+        raise FormatError(f"{path}: PNG cut short after {len(content)} bytes; copy or shoot it again")
+    codes = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH)
+    if codes is None or codes.dtype not in (np.uint8, np.uint16):
+        raise FormatError(f"{path}: damaged, or not a picture of 8 or 16 bits; copy or shoot it again")
+    return cv2.cvtColor(codes, cv2.COLOR_BGR2RGB)  # type: ignore[return-value]  # dtype checked above
+
+
+def decode_jpeg(content: bytes, source: str) -> U8:
+    """Decode a whole JPEG to (H, W, 3) uint8 RGB; `source` names it in errors.
+
+    Raises
+    ------
+    FormatError
+        The data are cut short or damaged anywhere; a partial picture is never returned.
+    """
+    try:
+        height, width, _, _ = simplejpeg.decode_jpeg_header(content)
+        _refuse_bomb(source, int(height), int(width))
+        codes: U8 = simplejpeg.decode_jpeg(content, "RGB")
+    except ValueError as error:
+        raise FormatError(f"{source}: damaged JPEG ({error}); copy or shoot it again") from error
+    return codes
+
+
+def write_picture(path: Path, linear: NDArray[np.floating]) -> None:
+    """Write linear light (H, W, 3): sRGB-encoded to PNG, JPEG or TIFF, as it is to EXR."""
+    ending = path.suffix.lower()
+    if ending == ".exr":
+        write_exr(path, {"RGB": np.ascontiguousarray(linear, np.float32)}, {"litrig.kind": "picture"})
+    else:
+        write_codes(path, to_u8(encode_srgb(linear)))
+
+
+def write_codes(path: Path, codes: NDArray[np.integer]) -> None:
+    """Write (H, W, 3) RGB, (H, W, 4) RGBA or (H, W) grey integers as they are to PNG, JPEG or TIFF."""
+    if path.suffix.lower() not in DISPLAY_ENDINGS:
+        raise InputError(f"{path}: cannot write {path.suffix or 'a file without ending'}; use .png, .jpg, .tif or .exr")
+    order = {3: cv2.COLOR_RGB2BGR, 4: cv2.COLOR_RGBA2BGRA}
+    stored = cv2.cvtColor(codes, order[codes.shape[-1]]) if codes.ndim == 3 else codes
+    with replacing(path) as temporary:
+        good, encoded = cv2.imencode(path.suffix, stored, [cv2.IMWRITE_JPEG_QUALITY, 92])
+        if not good:
+            raise InputError(f"{path}: this picture cannot be stored as {path.suffix}; choose another ending")
+        temporary.write_bytes(encoded.tobytes())
+
+
+def write_exr(path: Path, channels: Mapping[str, F32], header: Mapping[str, Any]) -> None:
+    """Write a single-part OpenEXR; `header` must name `litrig.kind`, so that a reader can tell what it holds."""
+    attributes = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage, **header}
+    with replacing(path) as temporary:
+        OpenEXR.File(attributes, dict(channels)).write(str(temporary))
+
+
+def _read_exr_rgb(path: Path) -> F32:
+    _read_bytes(path, only_first=True)
+    try:
+        with OpenEXR.File(str(path)) as exr:
+            channels = {name: np.asarray(channel.pixels) for name, channel in exr.channels().items()}
+    except (RuntimeError, ValueError, OSError) as error:
+        raise FormatError(f"{path}: damaged EXR ({error}); copy or render it again") from error
+    for name in ("RGB", "RGBA"):
+        if name in channels:
+            return np.ascontiguousarray(channels[name][..., :3], np.float32)
+    if "Y" in channels:
+        return np.repeat(channels["Y"].astype(np.float32)[..., None], 3, axis=-1)
+    raise FormatError(f"{path}: has no RGB channels (found {', '.join(sorted(channels)) or 'none'})")
+
+
+def _read_raw(path: Path) -> F32:
+    content = _read_bytes(path, only_first=True)
+    if not content:
+        raise FormatError(f"{path}: empty; copy it again")
+    try:
+        with rawpy.imread(str(path)) as raw:
+            codes = raw.postprocess(
+                gamma=(1, 1),
+                no_auto_bright=True,
+                output_bps=16,
+                user_wb=[1.0] * 4,
+                output_color=rawpy.ColorSpace.raw,
+                user_flip=0,
+            )
+    except rawpy.LibRawError as error:
+        raise FormatError(f"{path}: damaged RAW file ({error}); copy it again") from error
+    return codes.astype(np.float32) / np.float32(65535)
+
+
+def _read_bytes(path: Path, *, only_first: bool = False) -> bytes:
+    try:
+        if only_first:
+            with path.open("rb") as file:
+                return file.read(1)
+        return path.read_bytes()
+    except FileNotFoundError as error:
+        raise InputError(f"{path}: no such file; check the path") from error
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+
+
+def _refuse_bomb(source: str, height: int, width: int) -> None:
+    if height * width > LARGEST_PIXELS:
+        raise FormatError(f"{source}: claims {width} × {height} pixels, more than {LARGEST_PIXELS:,}; refused")

@@ -1,0 +1,46 @@
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from litrig.base.capture_folder.journal import Journal, decode_entry, encode_entry, read_journal
+from litrig.base.errors import FormatError
+
+scalars = st.none() | st.booleans() | st.integers(-(2**53), 2**53) | st.floats(allow_nan=False, allow_infinity=False)
+leaves = scalars | st.text()
+values = st.recursive(leaves, lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner), max_leaves=5)
+
+
+@given(st.dictionaries(st.text().filter(lambda key: key != "crc"), values, min_size=1))
+def test_what_is_written_is_read(entry: dict[str, object]) -> None:
+    assert decode_entry(encode_entry(entry)) == entry
+
+
+def test_every_single_flipped_bit_is_noticed() -> None:
+    line = encode_entry({"ev": "frame", "angle_deg": 45.25, "file": "data/frames/000001.jpg"})
+    for position in range(8 * len(line)):
+        flipped = bytearray(line)
+        flipped[position // 8] ^= 1 << position % 8
+        assert decode_entry(bytes(flipped)) is None
+
+
+def test_a_journal_cut_at_any_byte_opens_and_loses_the_torn_line_only(tmp_path: Path) -> None:
+    path = tmp_path / "journal.jsonl"
+    journal = Journal(path, wall_clock=lambda: "2026-01-01T00:00:00+00:00", monotonic_ns=lambda: 1)
+    for step in range(3):
+        journal.append("frame", step=step)
+    journal.close()
+    content = path.read_bytes()
+    ends = [position + 1 for position, byte in enumerate(content) if byte == ord("\n")]
+    for cut in range(len(content) + 1):
+        path.write_bytes(content[:cut])
+        assert [entry["seq"] for entry in read_journal(path)] == list(range(sum(end <= cut for end in ends)))
+
+
+def test_damage_in_the_middle_is_not_taken_for_a_torn_tail(tmp_path: Path) -> None:
+    path = tmp_path / "journal.jsonl"
+    lines = [encode_entry({"seq": seq}) for seq in range(3)]
+    path.write_bytes(lines[0] + b"{}\n" + lines[2])
+    with pytest.raises(FormatError, match="line 2: damaged in the middle"):
+        read_journal(path)

@@ -1,0 +1,150 @@
+"""A session's folder from its first second to the closed bag, and back."""
+
+import json
+from pathlib import Path
+
+import bagit
+import numpy as np
+import pytest
+import simplejpeg
+from rocrate.rocrate import ROCrate
+
+from litrig.base.capture_folder import layout
+from litrig.base.capture_folder.journal import read_journal
+from litrig.base.capture_folder.reader import read_capture
+from litrig.base.capture_folder.verify import verify_capture
+from litrig.base.capture_folder.writer import CaptureFolderWriter
+from litrig.base.errors import FormatError, InputError
+from litrig.base.lp import LightDirections, read_lp
+
+
+def jpeg(brightness: int) -> bytes:
+    return bytes(simplejpeg.encode_jpeg(np.full((8, 12, 3), brightness, np.uint8), 95))
+
+
+def shoot(folder: Path, frames: int = 3, *, close: bool = True) -> None:
+    session = {
+        "session": {"object": "coin", "tangent_zero_deg": 12.5},
+        "rig": {"sample": {"sphere_distance_radii": 8.0}},
+    }
+    plan = [{"step": step} for step in range(frames)]
+    with CaptureFolderWriter.create(folder, "coin", session, plan) as writer:
+        for step in range(frames):
+            writer.add_frame(
+                f"{step:06d}.jpg",
+                jpeg(40 + step),
+                np.zeros((6, 8, 3), np.uint8),
+                step=step,
+                role="frame",
+                pose_after={"angle_deg": 120.0 * step},
+                light=[0.0, 0.6, 0.8],
+                verdict="good",
+            )
+        if close:
+            names = tuple(f"{step:06d}.jpg" for step in range(frames))
+            lights = LightDirections(names, np.array([[0.0, 0.6, 0.8]] * frames))
+            writer.close(lights, version="1", instruments=["camera /dev/video0"], started="2026-01-01T00:00:00+00:00")
+
+
+def test_the_library_of_congress_accepts_the_bag(tmp_path: Path) -> None:
+    shoot(tmp_path / "s")
+    bag = bagit.Bag(str(tmp_path / "s"))
+    assert bag.validate()
+    assert bag.info["External-Identifier"] == "coin"
+
+
+def test_an_ro_crate_reader_finds_every_frame(tmp_path: Path) -> None:
+    shoot(tmp_path / "s")
+    crate = ROCrate(str(tmp_path / "s" / "data"))
+    ids = {entity.id for entity in crate.data_entities}
+    assert {f"frames/{step:06d}.jpg" for step in range(3)} <= ids
+    assert crate.dereference("#session").type == "CreateAction"
+
+
+def test_what_was_captured_is_read(tmp_path: Path) -> None:
+    shoot(tmp_path / "s")
+    capture = read_capture(tmp_path / "s")
+    assert capture.object_id == "coin"
+    assert capture.tangent_zero_deg == 12.5
+    assert capture.sphere_distance_radii == 8.0
+    assert [frame.angle_deg for frame in capture.frames] == [0, 120, 240]
+    assert capture.frames[0].light is not None
+    np.testing.assert_allclose(capture.frames[0].light, [0, 0.6, 0.8])
+    assert read_lp(tmp_path / "s" / "data" / "coin.lp").names == tuple(frame.path.name for frame in capture.frames)
+
+
+def test_the_journal_names_every_file_with_its_digest(tmp_path: Path) -> None:
+    shoot(tmp_path / "s")
+    entries = read_journal(tmp_path / "s" / layout.JOURNAL)
+    assert [entry["ev"] for entry in entries] == ["session", "frame", "frame", "frame", "close"]
+    assert [entry["seq"] for entry in entries] == list(range(5))
+    assert all(entry["bytes"] == (tmp_path / "s" / entry["file"]).stat().st_size for entry in entries[1:4])
+    assert [json.loads(line)["step"] for line in (tmp_path / "s" / layout.PLAN).read_text().splitlines()] == [0, 1, 2]
+
+
+def test_a_closed_session_verifies(tmp_path: Path) -> None:
+    shoot(tmp_path / "s")
+    result = verify_capture(tmp_path / "s")
+    assert (result.frames, result.closed, result.findings, result.orphans) == (3, True, (), ())
+
+
+def test_an_open_session_says_so_and_can_be_read(tmp_path: Path) -> None:
+    shoot(tmp_path / "s", close=False)
+    assert verify_capture(tmp_path / "s").findings == ("the session was not closed: the bag has no manifest yet",)
+    assert len(read_capture(tmp_path / "s").frames) == 3
+
+
+def test_every_change_is_found_at_once(tmp_path: Path) -> None:
+    folder = tmp_path / "s"
+    shoot(folder)
+    frames = sorted((folder / layout.FRAMES).iterdir())
+    content = bytearray(frames[0].read_bytes())
+    content[30] ^= 1
+    frames[0].write_bytes(content)
+    frames[1].unlink()
+    (folder / "data" / "foreign.txt").write_text("x")
+    findings = "\n".join(verify_capture(folder).findings)
+    assert "000000.jpg: changed" in findings
+    assert "000001.jpg: in the journal, not on the disk" in findings
+    assert "foreign.txt: on the disk, not in the manifest" in findings
+
+
+def test_a_changed_frame_is_not_processed(tmp_path: Path) -> None:
+    shoot(tmp_path / "s")
+    frame = tmp_path / "s" / layout.FRAMES / "000001.jpg"
+    frame.write_bytes(frame.read_bytes() + b"x")
+    with pytest.raises(FormatError, match=r"000001\.jpg: changed since it was captured"):
+        read_capture(tmp_path / "s")
+
+
+def test_a_frame_that_no_line_speaks_of_is_an_orphan_and_left_alone(tmp_path: Path) -> None:
+    shoot(tmp_path / "s", close=False)
+    orphan = tmp_path / "s" / layout.FRAMES / "000003.jpg"
+    orphan.write_bytes(jpeg(1))
+    assert verify_capture(tmp_path / "s").orphans == ("data/frames/000003.jpg",)
+    assert orphan.exists()
+    assert len(read_capture(tmp_path / "s").frames) == 3
+
+
+def test_a_folder_with_something_in_it_is_refused_and_untouched(tmp_path: Path) -> None:
+    folder = tmp_path / "s"
+    folder.mkdir()
+    (folder / "mine.txt").write_text("mine")
+    with pytest.raises(InputError, match="not empty"):
+        shoot(folder)
+    assert [entry.name for entry in folder.iterdir()] == ["mine.txt"]
+
+
+def test_a_frame_is_never_overwritten(tmp_path: Path) -> None:
+    with CaptureFolderWriter.create(tmp_path / "s", "coin", {}, []) as writer:
+        writer.add_frame("a.jpg", jpeg(1), np.zeros((6, 8, 3), np.uint8), step=0)
+        with pytest.raises(InputError, match="never overwritten"):
+            writer.add_frame("a.jpg", jpeg(2), np.zeros((6, 8, 3), np.uint8), step=0)
+
+
+def test_the_journal_cannot_name_files_outside_the_folder(tmp_path: Path) -> None:
+    with CaptureFolderWriter.create(tmp_path / "s", "coin", {}, []) as writer:
+        writer.record("frame", step=0, file="../../etc/passwd", sha256="0", verdict="good")
+    with pytest.raises(InputError, match="outside itself"):
+        read_capture(tmp_path / "s")
+    assert "outside itself" in verify_capture(tmp_path / "s").findings[0]

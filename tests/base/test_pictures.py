@@ -1,0 +1,122 @@
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+import simplejpeg
+import tifffile
+from numpy.typing import NDArray
+
+from litrig.base.errors import FormatError, InputError, LitrigError
+from litrig.base.pictures import read_codes, read_encoded, read_linear, write_codes, write_picture
+from litrig.base.radiometry import decode_srgb, encode_srgb
+
+
+@pytest.fixture
+def codes() -> NDArray[np.uint8]:
+    y, x = np.mgrid[0:40, 0:60]
+    return np.stack([x * 4, y * 6, (x + y) * 2], -1).astype(np.uint8)
+
+
+@pytest.mark.parametrize("ending", [".png", ".tif"])
+def test_integers_survive_lossless_files(tmp_path: Path, codes: NDArray[np.uint8], ending: str) -> None:
+    path = tmp_path / f"a{ending}"
+    write_codes(path, codes)
+    np.testing.assert_array_equal(read_codes(path), codes)
+
+
+def test_sixteen_bits_stay_sixteen_bits(tmp_path: Path) -> None:
+    wide = np.linspace(0, 65535, 300).astype(np.uint16).reshape(10, 10, 3)
+    write_codes(tmp_path / "a.png", wide)
+    assert read_codes(tmp_path / "a.png").dtype == np.uint16
+    np.testing.assert_allclose(read_encoded(tmp_path / "a.png"), wide / 65535, atol=1e-7)
+
+
+def test_light_survives_exr_bit_for_bit(tmp_path: Path) -> None:
+    light = np.random.default_rng(1).normal(size=(7, 5, 3)).astype(np.float32)
+    write_picture(tmp_path / "a.exr", light)
+    np.testing.assert_array_equal(read_linear(tmp_path / "a.exr"), light)
+
+
+def test_linear_and_display_values_are_each_others_inverse() -> None:
+    values = np.linspace(0, 1, 1001, dtype=np.float32)
+    np.testing.assert_allclose(encode_srgb(decode_srgb(values)), values, atol=2e-6)
+    assert decode_srgb(np.array([0.5], np.float32)) == pytest.approx(0.21404, abs=1e-4)
+
+
+def test_colours_keep_their_order_through_jpeg(tmp_path: Path) -> None:
+    red = np.zeros((16, 16, 3), np.uint8)
+    red[..., 0] = 200
+    write_codes(tmp_path / "a.jpg", red)
+    np.testing.assert_allclose(read_codes(tmp_path / "a.jpg").mean((0, 1)), (200, 0, 0), atol=3)
+
+
+@pytest.mark.parametrize("ending", [".jpg", ".png", ".tif", ".exr"])
+@pytest.mark.parametrize("kept", [0.05, 0.5, 0.95])
+def test_a_picture_cut_short_is_an_error_with_its_name(
+    tmp_path: Path, codes: NDArray[np.uint8], ending: str, kept: float
+) -> None:
+    path = tmp_path / f"cut{ending}"
+    write_picture(path, codes.astype(np.float32) / 255)
+    content = path.read_bytes()
+    path.write_bytes(content[: int(len(content) * kept)])
+    with pytest.raises(LitrigError, match=f"cut{ending}"):
+        read_linear(path)
+
+
+def test_a_jpeg_without_its_last_byte_is_an_error(tmp_path: Path, codes: NDArray[np.uint8]) -> None:
+    path = tmp_path / "a.jpg"
+    path.write_bytes(simplejpeg.encode_jpeg(codes, 90)[:-1])
+    with pytest.raises(FormatError, match=r"a\.jpg: damaged JPEG"):
+        read_linear(path)
+
+
+def test_unknown_endings_and_missing_files_are_named(tmp_path: Path) -> None:
+    (tmp_path / "a.xyz").write_bytes(b"1")
+    with pytest.raises(InputError, match="unknown picture format"):
+        read_linear(tmp_path / "a.xyz")
+    with pytest.raises(InputError, match="no such file"):
+        read_linear(tmp_path / "gone.png")
+
+
+def test_a_raw_still_is_linear(tmp_path: Path) -> None:
+    path = tmp_path / "a.dng"
+    mosaic = np.full((64, 64), 512 + 6502, np.uint16)  # a tenth of the way from black to white
+    write_dng(path, mosaic)
+    picture = read_linear(path)
+    np.testing.assert_allclose(picture[20:40, 20:40], 0.1, rtol=0.02)
+
+
+def write_dng(path: Path, mosaic: NDArray[np.uint16]) -> None:
+    identity = [1, 1, 0, 1, 0, 1, 0, 1, 1, 1, 0, 1, 0, 1, 0, 1, 1, 1]
+    tags = [
+        (33421, "H", 2, (2, 2), True),
+        (33422, "B", 4, bytes([0, 1, 1, 2]), True),
+        (50706, "B", 4, bytes([1, 4, 0, 0]), True),
+        (50707, "B", 4, bytes([1, 1, 0, 0]), True),
+        (50708, "s", 0, "litrig test", True),
+        (50714, "H", 1, 512, True),
+        (50717, "I", 1, 65535, True),
+        (50721, "2i", 9, identity, True),
+        (50728, "2I", 3, [1, 1, 1, 1, 1, 1], True),
+        (50778, "H", 1, 21, True),
+        (271, "s", 0, "litrig", True),
+        (272, "s", 0, "test", True),
+        (274, "H", 1, 1, True),
+    ]
+    tifffile.imwrite(path, mosaic, photometric=32803, planarconfig=1, extratags=tags, metadata=None)
+
+
+def test_a_raw_still_cut_short_is_an_error(tmp_path: Path) -> None:
+    path = tmp_path / "cut.dng"
+    write_dng(path, np.full((64, 64), 7000, np.uint16))
+    path.write_bytes(path.read_bytes()[:3000])
+    with pytest.raises(FormatError, match=r"cut\.dng"):
+        read_linear(path)
+
+
+def test_opencv_reads_what_is_written(tmp_path: Path, codes: NDArray[np.uint8]) -> None:
+    write_codes(tmp_path / "a.png", codes)
+    found = cv2.imread(str(tmp_path / "a.png"))
+    assert found is not None
+    np.testing.assert_array_equal(found[..., ::-1], codes)
