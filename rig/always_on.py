@@ -1,0 +1,15 @@
+"""Lamps that nobody switches, such as the fixed lights of an AMC session."""
+
+from rig.errors import OutOfRangeError
+
+
+class AlwaysOn:
+    """Fits `rig.devices.Lights`."""
+
+    def switch_on(self, lamp: int = 0) -> None:
+        """Do nothing: it is on."""
+        if lamp != 0:
+            raise OutOfRangeError(f"lights: lamp {lamp} does not exist; this rig's lights are always on")
+
+    def switch_off(self) -> None:
+        """Do nothing: a person does."""

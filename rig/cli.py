@@ -1,0 +1,100 @@
+"""`litrig rig …`: the devices by hand."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from rig.rig import Rig
+
+RIG = click.argument("rig_toml", metavar="RIG.toml", type=click.Path(path_type=Path))
+
+
+@click.group(
+    epilog="Without hardware: litrig sim run examples/sim-amc.toml -- sh -c 'litrig rig move $LITRIG_RIG --angle 30'"
+)
+def rig() -> None:
+    """Move the rig's devices by hand, one at a time.
+
+    RIG.toml says what is plugged in where; examples/rig.toml is one to start from.
+    """
+
+
+@contextmanager
+def _opened(rig_toml: Path, *parts: str) -> Iterator["Rig"]:
+    # Drivers are imported when they are needed, so that help comes at once.
+    from rig.config import read_rig
+    from rig.interrupts import Interrupts
+    from rig.rig import open_rig
+
+    with Interrupts(), open_rig(read_rig(rig_toml), use=frozenset(parts)) as opened:
+        yield opened
+
+
+@rig.command(epilog="Example: litrig rig home rig.toml")
+@RIG
+def home(rig_toml: Path) -> None:
+    """Find the reference marks of everything that moves."""
+    with _opened(rig_toml, "turntable", "arm", "lights") as opened:
+        opened.home()
+    click.echo("homed")
+
+
+@rig.command(epilog="Example: litrig rig park rig.toml")
+@RIG
+def park(rig_toml: Path) -> None:
+    """Home, move to the resting pose, lamps dark, and let go of the turntable."""
+    with _opened(rig_toml, "turntable", "arm", "lights") as opened:
+        opened.home()
+        opened.park()
+    click.echo("parked")
+
+
+@rig.command(epilog="Example: litrig rig move rig.toml --angle 30")
+@RIG
+@click.option("--angle", "angle_deg", type=float, required=True, help="Goal in degrees, counter-clockwise.")
+def move(rig_toml: Path, angle_deg: float) -> None:
+    """Turn the sample to an angle, and print where it stands."""
+    with _opened(rig_toml, "turntable") as opened:
+        opened.turntable.home()
+        pose = opened.turn_to(angle_deg)
+    click.echo(f"turntable at {pose.angle_deg:.2f}°")
+
+
+@rig.command(epilog="Example: litrig rig light rig.toml --azimuth 45 --elevation 30")
+@RIG
+@click.option(
+    "--azimuth", "azimuth_deg", type=float, required=True, help="Degrees from the picture's right towards its top."
+)
+@click.option("--elevation", "elevation_deg", type=float, required=True, help="Degrees above the picture's plane.")
+@click.option("--lamp", type=click.IntRange(0), default=0, show_default=True, help="Number of the lamp.")
+def light(rig_toml: Path, azimuth_deg: float, elevation_deg: float, lamp: int) -> None:
+    """Home the light arm, bring its lamp to a direction, and light it."""
+    with _opened(rig_toml, "arm", "lights") as opened:
+        opened.arm.home()
+        pose = opened.light_from(azimuth_deg, elevation_deg)
+        opened.lights.switch_on(lamp)
+    click.echo(f"lamp {lamp} lit at azimuth {pose.azimuth_deg:.2f}°, elevation {pose.elevation_deg:.2f}°")
+
+
+@rig.command(epilog="Example: litrig rig snap rig.toml -o first.png")
+@RIG
+@click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="The picture to write.")
+def snap(rig_toml: Path, output: Path) -> None:
+    """Take one picture; nothing moves.
+
+    The camera's own JPEG is kept as it is when the ending is .jpg; other endings are converted.
+    """
+    from litrig.base.files import write_atomically
+    from litrig.base.pictures import decode_jpeg, write_codes
+
+    with _opened(rig_toml, "camera") as opened:
+        shot = opened.expose(opened.clock.now_s())
+    if shot.ending == output.suffix.lower():
+        write_atomically(output, shot.content)
+    else:
+        write_codes(output, decode_jpeg(shot.content, "camera"))
+    click.echo(f"wrote {output}")

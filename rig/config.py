@@ -1,0 +1,200 @@
+"""RIG.toml: what is plugged in where, and how far each part may go. Unknown keys are refused."""
+
+import math
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from litrig.base.config import StrictModel, read_toml
+
+Positive = Annotated[float, Field(gt=0)]
+Matrix = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
+
+
+class RigInfo(StrictModel):
+    """The rig as a whole."""
+
+    name: str = "rig"
+    """How the rig is called in session records."""
+
+
+class TurntableConfig(StrictModel):
+    """A turntable on a Dynamixel servo of the X series."""
+
+    kind: Literal["dynamixel"] = "dynamixel"
+    """The driver."""
+    port: str
+    """Device path of the serial adapter; a path below /dev/serial/by-id keeps its name when replugged."""
+    baud: int = Field(default=57600, gt=0)
+    """Baud rate that the servo is set to (57600 as delivered)."""
+    id: int = Field(default=1, ge=0, le=252)
+    """The servo's id on the bus (1 as delivered)."""
+    model: str = "XL430-W250"
+    """Model name; the servo's own model number is checked against it."""
+    zero_deg: float = 0.0
+    """Servo angle at which the turntable stands at zero."""
+    direction: Literal[1, -1] = 1
+    """1 if the servo's positive sense turns the sample counter-clockwise as the camera sees it, else −1."""
+    gear_ratio: Positive = 1.0
+    """Turns of the servo for one turn of the table."""
+    min_deg: float = -360.0
+    """Lowest angle that the cables allow."""
+    max_deg: float = 720.0
+    """Highest angle that the cables allow."""
+    speed_deg_s: Positive = 90.0
+    """Speed of the table."""
+    acceleration_deg_s2: Positive = 600.0
+    """Acceleration of the table."""
+    tolerance_deg: Positive = 0.3
+    """How far the angle read back may be from its goal."""
+    backlash_deg: float = Field(default=1.0, ge=0)
+    """Play of the gears: a goal is always approached from below by at least this much."""
+    park_deg: float = 0.0
+    """Where the table rests at the end of a session."""
+
+    @model_validator(mode="after")
+    def _limits_in_order(self) -> Self:
+        if not self.min_deg <= self.park_deg <= self.max_deg:
+            raise ValueError(f"park_deg ({self.park_deg:g}) must lie between min_deg and max_deg, and these in order")
+        return self
+
+
+class ArmConfig(StrictModel):
+    """A light arm of two axes on a GRBL 1.1 controller: X turns in azimuth, Y in elevation, a degree a millimetre."""
+
+    kind: Literal["grbl"] = "grbl"
+    """The driver."""
+    port: str
+    """Device path of the controller."""
+    baud: int = Field(default=115200, gt=0)
+    """GRBL runs at 115200."""
+    azimuth_origin_deg: float = -360.0
+    """Machine coordinate X at azimuth zero of the arm's own frame."""
+    elevation_origin_deg: float = -90.0
+    """Machine coordinate Y at elevation zero."""
+    azimuth_direction: Literal[1, -1] = 1
+    """1 if machine X grows with the azimuth, else −1."""
+    view_from_arm: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    """Rotation that takes the arm's axes to the view frame, row by row."""
+    min_azimuth_deg: float = 0.0
+    """Lowest azimuth that the arm reaches."""
+    max_azimuth_deg: float = 360.0
+    """Highest azimuth that the arm reaches."""
+    min_elevation_deg: float = 5.0
+    """Lowest elevation, where the lamp would touch the table."""
+    max_elevation_deg: float = 88.0
+    """Highest elevation, where the arm would stand before the camera."""
+    speed_deg_s: Positive = 110.0
+    """Speed along the path in joint space."""
+    tolerance_deg: Positive = 0.2
+    """How far a joint read back may be from its goal."""
+    park_azimuth_deg: float = 0.0
+    """Where the arm rests at the end of a session."""
+    park_elevation_deg: float = 45.0
+    """Where the arm rests at the end of a session."""
+    homing_timeout_s: Positive = 60.0
+    """How long homing may take."""
+
+    @model_validator(mode="after")
+    def _proper_rotation(self) -> Self:
+        rows = self.view_from_arm
+        for i, row in enumerate(rows):
+            for j, other in enumerate(rows):
+                if not math.isclose(sum(a * b for a, b in zip(row, other, strict=True)), float(i == j), abs_tol=1e-3):
+                    raise ValueError("view_from_arm must be a rotation: unit rows at right angles")
+        return self
+
+    @model_validator(mode="after")
+    def _limits_in_order(self) -> Self:
+        if not (self.min_azimuth_deg <= self.park_azimuth_deg <= self.max_azimuth_deg):
+            raise ValueError("park_azimuth_deg must lie between min_azimuth_deg and max_azimuth_deg")
+        if not (self.min_elevation_deg <= self.park_elevation_deg <= self.max_elevation_deg):
+            raise ValueError("park_elevation_deg must lie between min_elevation_deg and max_elevation_deg")
+        return self
+
+
+class SpindleLampConfig(StrictModel):
+    """The arm's lamp on the spindle output of the same GRBL controller."""
+
+    kind: Literal["grbl-spindle"]
+    """The driver."""
+    power: float = Field(default=1000.0, gt=0)
+    """Spindle speed S that gives the wanted brightness (GRBL's $30 is full power)."""
+    warm_up_s: float = Field(default=0.0, ge=0)
+    """How long the lamp needs until its light is steady."""
+
+
+class AlwaysOnConfig(StrictModel):
+    """Lamps that the rig does not switch."""
+
+    kind: Literal["always-on"]
+    """The driver."""
+
+
+class CameraConfig(StrictModel):
+    """A camera behind V4L2."""
+
+    kind: Literal["v4l2"] = "v4l2"
+    """The driver."""
+    device: str
+    """Device path; a path below /dev/v4l/by-id keeps its name when replugged."""
+    width: int = Field(default=640, gt=0)
+    """Picture width in pixels."""
+    height: int = Field(default=480, gt=0)
+    """Picture height in pixels."""
+    fps: float = Field(default=30.0, gt=0)
+    """Frames a second."""
+    pixel_format: Literal["MJPG", "YUYV"] = "MJPG"
+    """MJPG keeps the camera's own JPEG, bit for bit; YUYV is kept as PNG."""
+    exposure_ms: Positive = 10.0
+    """Exposure time; automatic exposure is switched off."""
+    gain: int = Field(default=0, ge=0)
+    """Sensor gain in the camera's own unit."""
+    white_balance_k: int | None = None
+    """Colour temperature; automatic white balance is switched off in any case."""
+    focus: int | None = None
+    """Focus in the camera's own unit; autofocus is switched off in any case."""
+    timeout_s: Positive = 10.0
+    """How long a picture may take, beyond its exposure, before the camera counts as hanging."""
+
+
+class SampleConfig(StrictModel):
+    """What was measured on the bench about the sample."""
+
+    sphere_distance_radii: float | None = Field(default=None, gt=1)
+    """Camera to the centre of the sample sphere, in its radii; leave out for a telecentric (orthographic) view."""
+
+
+class RigConfig(StrictModel):
+    """A RIG.toml. A part that the rig does not have is left out."""
+
+    rig: RigInfo = RigInfo()
+    """The rig as a whole."""
+    turntable: TurntableConfig | None = None
+    """The turntable."""
+    arm: ArmConfig | None = None
+    """The light arm."""
+    lights: Annotated[SpindleLampConfig | AlwaysOnConfig, Field(discriminator="kind")] | None = None
+    """The lamps."""
+    camera: CameraConfig | None = None
+    """The camera."""
+    sample: SampleConfig = SampleConfig()
+    """The sample."""
+
+    @model_validator(mode="after")
+    def _spindle_needs_arm(self) -> Self:
+        if isinstance(self.lights, SpindleLampConfig) and self.arm is None:
+            raise ValueError("lights of kind grbl-spindle need an [arm] of kind grbl, whose output they are")
+        return self
+
+
+def read_rig(path: Path) -> RigConfig:
+    """Read a RIG.toml.
+
+    Raises
+    ------
+    ConfigError
+        The file is missing, or a key is unknown, missing or out of range; the message names it.
+    """
+    return read_toml(path, RigConfig)

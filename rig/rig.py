@@ -1,0 +1,231 @@
+"""The rig as a whole: its parts, the state that it is in, and how it comes to rest."""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from enum import StrEnum
+from types import TracebackType
+from typing import Self, TypeVar
+
+from rig.always_on import AlwaysOn
+from rig.camera.v4l2 import V4l2Camera
+from rig.clock import Clock, MonotonicClock
+from rig.config import AlwaysOnConfig, RigConfig, SpindleLampConfig
+from rig.devices import ArmPose, Camera, LightArm, Lights, Shot, Turntable, TurntablePose
+from rig.dynamixel.link import DynamixelLink
+from rig.dynamixel.turntable import DynamixelTurntable
+from rig.errors import PositionLostError, RigError
+from rig.grbl.arm import GrblArm
+from rig.grbl.controller import GrblController
+from rig.grbl.lamp import SpindleLamp
+
+
+class RigState(StrEnum):
+    """What the rig is doing."""
+
+    IDLE = "idle"
+    MOVING = "moving"
+    EXPOSING = "exposing"
+    PAUSED = "paused"
+    HOLD = "hold"
+    ALARM = "alarm"
+
+
+class Rig:
+    """Turntable, light arm, lights and camera, as far as they are there.
+
+    A context manager: left normally, the ports are given back and everything stays as it is; left by an error or a
+    second Ctrl-C, the rig goes on hold first: motion stops, lamps go dark, torque stays.
+    """
+
+    def __init__(
+        self,
+        config: RigConfig,
+        *,
+        clock: Clock,
+        turntable: Turntable | None = None,
+        arm: LightArm | None = None,
+        lights: Lights | None = None,
+        camera: Camera | None = None,
+    ) -> None:
+        self.config, self.clock = config, clock
+        self._turntable, self._arm, self._lights, self._camera = turntable, arm, lights, camera
+        self._moving: Turntable | LightArm | None = None
+        self.state = RigState.IDLE
+        self.position_known = False
+
+    def __enter__(self) -> Self:
+        """Use the rig."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Hold if something went wrong, then give the ports back."""
+        try:
+            if kind is not None:
+                self.hold()
+        finally:
+            self._close()
+
+    @property
+    def turntable(self) -> Turntable:
+        """The turntable; an error if the rig has none."""
+        return _present(self._turntable, "turntable")
+
+    @property
+    def arm(self) -> LightArm:
+        """The light arm; an error if the rig has none."""
+        return _present(self._arm, "arm")
+
+    @property
+    def lights(self) -> Lights:
+        """The lamps; an error if the rig has none."""
+        return _present(self._lights, "lights")
+
+    @property
+    def camera(self) -> Camera:
+        """The camera; an error if the rig has none."""
+        return _present(self._camera, "camera")
+
+    def home(self) -> None:
+        """Home whatever moves, lamps dark."""
+        with self._doing(RigState.MOVING):
+            if self._arm is not None:
+                self._moving = self._arm
+                self._arm.home()
+            if self._lights is not None:
+                self._lights.switch_off()
+            if self._turntable is not None:
+                self._turntable.home()
+        self.position_known = True
+
+    def turn_to(self, angle_deg: float) -> TurntablePose:
+        """Turn the sample."""
+        with self._doing(RigState.MOVING):
+            self._moving = self.turntable
+            return self.turntable.move_to(angle_deg)
+
+    def light_from(self, azimuth_deg: float, elevation_deg: float) -> ArmPose:
+        """Move the arm's lamp."""
+        with self._doing(RigState.MOVING):
+            self._moving = self.arm
+            return self.arm.move_to(azimuth_deg, elevation_deg)
+
+    def expose(self, not_before_s: float) -> Shot:
+        """Take a picture."""
+        with self._doing(RigState.EXPOSING):
+            return self.camera.capture(not_before_s)
+
+    def pause(self) -> None:
+        """Stay where it is: torque on, lamps dark."""
+        if self._lights is not None:
+            self._lights.switch_off()
+        self.state = RigState.PAUSED
+
+    def hold(self) -> list[RigError]:
+        """Stop all motion, darken the lamps, keep torque. Tries every part, and returns what did not obey."""
+        parts = sorted(
+            (part for part in (self._turntable, self._arm) if part), key=lambda part: part is not self._moving
+        )
+        stops: list[Callable[[], None]] = [part.stop for part in parts]
+        if self._lights is not None:
+            stops.append(self._lights.switch_off)
+        failures = [failure for stop in stops if (failure := _attempt(stop))]
+        if any(isinstance(failure, PositionLostError) for failure in failures):
+            self.position_known = False
+        self.state = RigState.HOLD
+        return failures
+
+    def park(self) -> None:
+        """Bring a rig whose position is known to rest, lamps dark, and let go."""
+        if not self.position_known:
+            return
+        with self._doing(RigState.MOVING):
+            if self._lights is not None:
+                self._lights.switch_off()
+            if self._arm is not None and self.config.arm is not None:
+                self._arm.move_to(self.config.arm.park_azimuth_deg, self.config.arm.park_elevation_deg)
+            if self._turntable is not None and self.config.turntable is not None:
+                self._turntable.move_to(self.config.turntable.park_deg)
+                self._turntable.release()
+
+    @contextmanager
+    def _doing(self, state: RigState) -> Iterator[None]:
+        self.state = state
+        try:
+            yield
+        except PositionLostError:
+            self.state, self.position_known = RigState.ALARM, False
+            raise
+        self.state = RigState.IDLE
+
+    def _close(self) -> None:
+        for part in (self._turntable, self._arm, self._camera):
+            if part is not None:
+                _attempt(part.close)
+
+
+def open_rig(
+    config: RigConfig,
+    *,
+    use: frozenset[str] = frozenset({"turntable", "arm", "lights", "camera"}),
+    clock: Clock | None = None,
+    environment: Mapping[str, str] | None = None,
+) -> Rig:
+    """Open the parts of a rig that RIG.toml names and that are to be used.
+
+    Parameters
+    ----------
+    use : which parts to open; what is not opened cannot fail
+    environment : added to the environment of the camera's process
+
+    Raises
+    ------
+    RigError
+        A part is missing or taken; those opened before it are closed again.
+    """
+    clock = clock or MonotonicClock()
+    opened: list[Callable[[], None]] = []
+    turntable: Turntable | None = None
+    arm: LightArm | None = None
+    lights: Lights | None = None
+    camera: Camera | None = None
+    try:
+        if config.turntable is not None and "turntable" in use:
+            link = DynamixelLink(config.turntable.port, config.turntable.baud, config.turntable.id, clock)
+            opened.append(link.close)
+            turntable = DynamixelTurntable(link, config.turntable, clock)
+        if config.arm is not None and use & {"arm", "lights"}:
+            controller = GrblController(config.arm.port, config.arm.baud, clock)
+            opened.append(controller.close)
+            arm = GrblArm(controller, config.arm, clock)
+            if isinstance(config.lights, SpindleLampConfig):
+                lights = SpindleLamp(controller, config.lights, clock)
+        if isinstance(config.lights, AlwaysOnConfig):
+            lights = AlwaysOn()
+        if config.camera is not None and "camera" in use:
+            camera = V4l2Camera(config.camera, clock, environment)
+            opened.append(camera.close)
+            camera.configure()
+    except BaseException:
+        for close in opened:
+            close()
+        raise
+    return Rig(config, clock=clock, turntable=turntable, arm=arm, lights=lights, camera=camera)
+
+
+Part = TypeVar("Part")
+
+
+def _present(part: Part | None, name: str) -> Part:
+    if part is None:
+        raise RigError(f"this rig has no {name}: RIG.toml has no [{name}]; add it or use another rig")
+    return part
+
+
+def _attempt(action: Callable[[], None]) -> RigError | None:
+    try:
+        action()
+    except RigError as failure:
+        return failure
+    return None
