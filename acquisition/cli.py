@@ -1,0 +1,96 @@
+"""`litrig capture …`: sessions."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from acquisition.plans import Plan
+
+RIG = click.argument("rig_toml", metavar="RIG.toml", type=click.Path(path_type=Path))
+OUTPUT = click.option(
+    "-o",
+    "--output",
+    "folder",
+    metavar="FOLDER",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="Capture folder to make; absent or empty before.",
+)
+OBJECT = click.option("--object", "object_id", default="object", show_default=True, help="What stands on the table.")
+
+PAUSED_STATUS = 130
+
+
+@click.group()
+def capture() -> None:
+    """Shoot sessions into capture folders that lose nothing, and check such folders.
+
+    The first Ctrl-C pauses after the step under way and leaves the rig powered; the second stops it at once.
+    """
+
+
+@capture.command(epilog="Example: litrig capture amc rig.toml -o brushed --slices 128 --object brushed-steel")
+@RIG
+@OUTPUT
+@click.option(
+    "--slices", type=int, required=True, help="Frames over one turn, S_k; 2 to 4 times the table's size is ideal."
+)
+@OBJECT
+@click.option(
+    "--tangent-zero",
+    "tangent_zero_deg",
+    type=float,
+    default=0.0,
+    show_default=True,
+    help="Direction of brushing or thread at turntable zero, in degrees from the picture's right, counter-clockwise.",
+)
+def amc(rig_toml: Path, folder: Path, slices: int, object_id: str, tangent_zero_deg: float) -> None:
+    """Shoot an Anisotropic MatCap session: a sphere of the material, turned about the camera's axis."""
+    from acquisition.plans import AmcPlan
+
+    _capture(rig_toml, AmcPlan(slices), folder, object_id, tangent_zero_deg)
+
+
+@capture.command(epilog="Example: litrig capture ptm rig.toml -o coin --lights 50 --object coin")
+@RIG
+@OUTPUT
+@click.option("--lights", type=int, required=True, help="Light directions, spread evenly; 40 to 80 are usual.")
+@OBJECT
+def ptm(rig_toml: Path, folder: Path, lights: int, object_id: str) -> None:
+    """Shoot a PTM session: a still object under a lamp that moves."""
+    from acquisition.plans import PtmPlan
+
+    _capture(rig_toml, PtmPlan(lights), folder, object_id, 0.0)
+
+
+@capture.command(epilog="Example: litrig capture verify coin")
+@click.argument("folder", metavar="FOLDER", type=click.Path(path_type=Path))
+def verify(folder: Path) -> None:
+    """Check every file of a capture folder against its journal and its manifests; nothing is changed."""
+    from litrig.base.capture_folder.verify import verify_capture
+
+    result = verify_capture(folder)
+    for orphan in result.orphans:
+        click.echo(f"{orphan}: shot, but never acknowledged (harmless)")
+    for finding in result.findings:
+        click.echo(f"{folder}: {finding}", err=True)
+    if result.findings:
+        raise SystemExit(1)
+    click.echo(f"{folder}: {result.frames} frames, all as they were captured; the bag is valid")
+
+
+def _capture(rig_toml: Path, plan: "Plan", folder: Path, object_id: str, tangent_zero_deg: float) -> None:
+    from acquisition.session import SessionInfo
+    from acquisition.session import capture as run_session
+    from litrig.base.console import reporting
+    from rig.config import read_rig
+
+    info = SessionInfo(object_id, tangent_zero_deg)
+    with reporting() as report:
+        complete = run_session(read_rig(rig_toml), plan, folder, info, report=report)
+    if not complete:
+        click.echo(f"paused; the frames so far are safe in {folder}, the rig stays powered", err=True)
+        raise SystemExit(PAUSED_STATUS)
+    click.echo(f"{folder}: {len(plan)} frames, closed as a valid bag")

@@ -1,0 +1,147 @@
+"""What to shoot: plans are frozen data, know their length, and never how to get there."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Protocol
+
+from acquisition.tour import short_tour
+from litrig.base.capture_folder.capture import Role
+from litrig.base.errors import InputError
+
+GOLDEN_ANGLE_DEG = 180 * (3 - math.sqrt(5))
+MOST_STEPS = 100_000
+
+
+@dataclass(frozen=True)
+class Aim:
+    """A light direction in the view frame, in degrees, and the lamp that shines from it."""
+
+    azimuth_deg: float
+    elevation_deg: float
+    lamp: int = 0
+
+
+@dataclass(frozen=True)
+class Step:
+    """One wanted frame.
+
+    Attributes
+    ----------
+    step : its number, which stays the same in every resumed session
+    role : what the frame is for
+    angle_deg : where the turntable stands; None leaves it alone
+    aim : where the light comes from; None leaves the lights alone
+    """
+
+    step: int
+    role: Role = Role.FRAME
+    angle_deg: float | None = None
+    aim: Aim | None = None
+
+    @property
+    def stem(self) -> str:
+        """A file name without ending that tells the pose to a human reader."""
+        parts = [f"{self.step:06d}"]
+        if self.angle_deg is not None:
+            parts.append(f"tt{self.angle_deg:06.2f}")
+        if self.aim is not None:
+            parts.append(f"az{self.aim.azimuth_deg:06.2f}_el{self.aim.elevation_deg:05.2f}")
+        return "_".join(parts)
+
+    def as_json(self) -> Mapping[str, Any]:
+        """Return the step as plan.jsonl has it."""
+        return {key: value for key, value in asdict(self).items() if value is not None}
+
+
+class Plan(Protocol):
+    """A finite sequence of steps; iterating it twice gives the same."""
+
+    @property
+    def kind(self) -> str:
+        """Name the kind of session."""
+
+    def __len__(self) -> int:
+        """Return the number of steps."""
+
+    def __iter__(self) -> Iterator[Step]:
+        """Go through the steps."""
+
+    def parameters(self) -> Mapping[str, Any]:
+        """Return what the plan was made from, as session.toml has it."""
+
+
+@dataclass(frozen=True)
+class AmcPlan:
+    """One frame a slice, S_k slices a turn (the AMC paper, section 5).
+
+    Every angle is the slice's share of one turn, computed from one origin: nothing accumulates.
+    """
+
+    slices: int
+    kind = "amc"
+
+    def __post_init__(self) -> None:
+        """Refuse a plan that no table can be built from."""
+        if not 4 <= self.slices <= MOST_STEPS:
+            raise InputError(f"slices: {self.slices} is outside 4..{MOST_STEPS}; 64 to 512 are usual")
+
+    def __len__(self) -> int:
+        """One step a slice."""
+        return self.slices
+
+    def __iter__(self) -> Iterator[Step]:
+        """Turn from 0° on, counter-clockwise."""
+        for s in range(self.slices):
+            yield Step(s, angle_deg=360 * s / self.slices)
+
+    def parameters(self) -> Mapping[str, Any]:
+        """Return the number of slices."""
+        return {"kind": self.kind, "slices": self.slices}
+
+
+@dataclass(frozen=True)
+class PtmPlan:
+    """Light directions spread evenly over the part of the hemisphere between two elevations.
+
+    A Fibonacci spiral: equal steps of sin(elevation), turned by the golden angle each. The order of shooting is a tour
+    that keeps the arm's way short.
+    """
+
+    lights: int
+    min_elevation_deg: float = 15.0
+    max_elevation_deg: float = 80.0
+    kind = "ptm"
+
+    def __post_init__(self) -> None:
+        """Refuse a plan that no PTM can be fitted to."""
+        if not 6 <= self.lights <= 2000:
+            raise InputError(f"lights: {self.lights} is outside 6..2000; 40 to 80 are usual")
+        if not 0 < self.min_elevation_deg < self.max_elevation_deg < 90:
+            raise InputError(
+                f"elevations: {self.min_elevation_deg:g}..{self.max_elevation_deg:g}° must rise within 0..90°"
+            )
+
+    def __len__(self) -> int:
+        """One step a light direction."""
+        return self.lights
+
+    def __iter__(self) -> Iterator[Step]:
+        """Follow the tour."""
+        aims = [self._aim(index) for index in range(self.lights)]
+        for step, index in enumerate(short_tour([(aim.azimuth_deg, aim.elevation_deg) for aim in aims])):
+            yield Step(step, aim=aims[index])
+
+    def parameters(self) -> Mapping[str, Any]:
+        """Return number and elevations."""
+        return {
+            "kind": self.kind,
+            "lights": self.lights,
+            "min_elevation_deg": self.min_elevation_deg,
+            "max_elevation_deg": self.max_elevation_deg,
+        }
+
+    def _aim(self, index: int) -> Aim:
+        low, high = (math.sin(math.radians(e)) for e in (self.min_elevation_deg, self.max_elevation_deg))
+        height = low + (high - low) * (index + 0.5) / self.lights
+        return Aim(round(index * GOLDEN_ANGLE_DEG % 360, 3), round(math.degrees(math.asin(height)), 3))
