@@ -63,7 +63,7 @@ def capture(
     check_free(folder)
     check_object_id(info.object_id)
     started = datetime.now(UTC).isoformat(timespec="seconds")
-    with Interrupts() as interrupts, open_rig(config, environment=environment) as rig:
+    with Interrupts() as interrupts, open_rig(config, use=_needed(plan), environment=environment) as rig:
         check_plan(plan, rig)
         session = _resolved(config, plan, info, started)
         with CaptureFolderWriter.create(folder, info.object_id, session, (step.as_json() for step in plan)) as writer:
@@ -74,6 +74,17 @@ def capture(
                 report(Progress(f"capture {info.object_id}", event.step.step + 1, len(plan), _live_line(event)))
             writer.close(_lights(folder), version=litrig_version(), instruments=_instruments(config), started=started)
     return True
+
+
+def _needed(plan: Plan) -> frozenset[str]:
+    """Name the parts that a plan uses; the others are not touched, and cannot fail."""
+    steps = list(plan)
+    parts = {"camera"}
+    if any(step.angle_deg is not None for step in steps):
+        parts.add("turntable")
+    if any(step.aim is not None for step in steps):
+        parts |= {"arm", "lights"}
+    return frozenset(parts)
 
 
 def _resolved(config: RigConfig, plan: Plan, info: SessionInfo, started: str) -> Mapping[str, Any]:

@@ -84,6 +84,10 @@ class OpenedCamera:
         times = {"exposed_from_s": stamp_s - exposure_s, "exposed_to_s": stamp_s + exposure_s}
         return {**times, "settings": self._settings()}, content
 
+    def release(self) -> None:
+        """Give the device back."""
+        self._capture.release()
+
     def _encode(self, picture: np.ndarray[Any, Any]) -> bytes:
         if self._keeps_jpeg:
             return picture.tobytes().rstrip(b"\0")  # drivers pad the buffer
@@ -119,6 +123,8 @@ def serve(commands: BinaryIO, answers: BinaryIO) -> None:
         content = b""
         try:
             if command["do"] == "open":
+                if camera is not None:
+                    camera.release()
                 camera = OpenedCamera(command["config"])
                 answer = {"settings": camera.configure()}
             elif camera is None:

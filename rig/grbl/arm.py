@@ -1,5 +1,7 @@
 """A light arm of two joints, azimuth and elevation, on a GRBL controller."""
 
+import math
+
 import numpy as np
 
 from litrig.base.directions import angles_from_direction, direction_from_angles
@@ -79,6 +81,8 @@ class GrblArm:
 
     def _joints(self, azimuth_deg: float, elevation_deg: float) -> Axes:
         config = self._config
+        if not (math.isfinite(azimuth_deg) and math.isfinite(elevation_deg)):
+            raise OutOfRangeError(f"light arm: azimuth {azimuth_deg:g}°, elevation {elevation_deg:g}° is no direction")
         in_arm = self._view_from_arm.T @ direction_from_angles(azimuth_deg, elevation_deg)
         around_deg, up_deg = angles_from_direction(in_arm)
         if up_deg > ZENITH_DEG:

@@ -1,0 +1,5 @@
+"""`python -m litrig` is the command."""
+
+from litrig.cli import main
+
+main()
