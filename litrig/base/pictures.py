@@ -110,7 +110,8 @@ def write_codes(path: Path, codes: NDArray[np.integer]) -> None:
     order = {3: cv2.COLOR_RGB2BGR, 4: cv2.COLOR_RGBA2BGRA}
     stored = cv2.cvtColor(codes, order[codes.shape[-1]]) if codes.ndim == 3 else codes
     with replacing(path) as temporary:
-        good, encoded = cv2.imencode(path.suffix, stored, [cv2.IMWRITE_JPEG_QUALITY, 92])
+        options = [cv2.IMWRITE_JPEG_QUALITY, 92] if path.suffix.lower() in JPEG_ENDINGS else []
+        good, encoded = cv2.imencode(path.suffix, stored, options)
         if not good:
             raise InputError(f"{path}: this picture cannot be stored as {path.suffix}; choose another ending")
         temporary.write_bytes(encoded.tobytes())

@@ -76,11 +76,13 @@ def test_a_wrong_baud_rate_or_id_is_silence(sphere_sim: RunningSim, change: dict
 
 
 def test_a_stalled_table_yields_an_error_and_the_angle(sphere_sim: RunningSim) -> None:
-    with pytest.raises(DeviceError, match=r"told to go to 90\.00°, stands at .*look what blocks it"):
-        with opened(sphere_sim, "turntable") as rig:
-            rig.home()
-            sphere_sim.side_channel.request("turntable.stall")
-            rig.turn_to(90)
+    with (
+        pytest.raises(DeviceError, match=r"told to go to 90\.00°, stands at .*look what blocks it"),
+        opened(sphere_sim, "turntable") as rig,
+    ):
+        rig.home()
+        sphere_sim.side_channel.request("turntable.stall")
+        rig.turn_to(90)
     assert rig.state is RigState.HOLD
 
 
@@ -94,9 +96,11 @@ def test_another_model_is_refused(sphere_sim: RunningSim) -> None:
     config = config_of(sphere_sim)
     assert config.turntable is not None
     other = config.model_copy(update={"turntable": config.turntable.model_copy(update={"model": "XM430-W350"})})
-    with open_rig(other, use=frozenset({"turntable"})) as rig:
-        with pytest.raises(DeviceError, match=r"is a XL430-W250, RIG\.toml says XM430-W350"):
-            rig.turntable.home()
+    with (
+        open_rig(other, use=frozenset({"turntable"})) as rig,
+        pytest.raises(DeviceError, match=r"is a XL430-W250, RIG\.toml says XM430-W350"),
+    ):
+        rig.turntable.home()
 
 
 def test_a_port_that_is_taken_says_by_whom(sphere_sim: RunningSim) -> None:
@@ -104,9 +108,11 @@ def test_a_port_that_is_taken_says_by_whom(sphere_sim: RunningSim) -> None:
     assert config.turntable is not None
     assert config.arm is not None
     for port, part in ((config.turntable.port, "turntable"), (config.arm.port, "arm")):
-        with serial.Serial(port, exclusive=True):
-            with pytest.raises(PortError, match=re.escape(port) + ": held by another program"):
-                opened(sphere_sim, part)
+        with (
+            serial.Serial(port, exclusive=True),
+            pytest.raises(PortError, match=re.escape(port) + ": held by another program"),
+        ):
+            opened(sphere_sim, part)
 
 
 def test_a_second_rig_cannot_open_the_same_ports(sphere_sim: RunningSim) -> None:
@@ -145,11 +151,13 @@ def test_a_hanging_camera_times_out_and_the_rig_still_stops(sphere_sim: RunningS
     config = config_of(sphere_sim)
     assert config.camera is not None
     quick = config.model_copy(update={"camera": config.camera.model_copy(update={"timeout_s": 0.5})})
-    with pytest.raises(CameraError, match=r"no picture within 0\.5 s; it hangs"):
-        with open_rig(quick, environment=sphere_sim.environment) as rig:
-            rig.home()
-            sphere_sim.side_channel.request("camera.hang")
-            rig.expose(rig.clock.now_s())
+    with (
+        pytest.raises(CameraError, match=r"no picture within 0\.5 s; it hangs"),
+        open_rig(quick, environment=sphere_sim.environment) as rig,
+    ):
+        rig.home()
+        sphere_sim.side_channel.request("camera.hang")
+        rig.expose(rig.clock.now_s())
     assert rig.state is RigState.HOLD
     status = sphere_sim.side_channel.status()
     assert "21" in [content for _, way, content in status["wires"]["arm"]["recent"] if way == "in"]  # a feed hold
@@ -157,9 +165,11 @@ def test_a_hanging_camera_times_out_and_the_rig_still_stops(sphere_sim: RunningS
 
 def test_a_dead_limit_switch_is_told_and_the_position_is_lost(relief_sim: RunningSim) -> None:
     relief_sim.side_channel.request("arm.switches", fault="stuck")
-    with pytest.raises(DeviceError, match=r"alarm 8 .*its position is lost, home it"):
-        with opened(relief_sim, "arm", "lights") as rig:
-            rig.home()
+    with (
+        pytest.raises(DeviceError, match=r"alarm 8 .*its position is lost, home it"),
+        opened(relief_sim, "arm", "lights") as rig,
+    ):
+        rig.home()
     assert not rig.position_known
 
 
