@@ -1,0 +1,58 @@
+"""Tangents of a mesh from its texture coordinates (the AMC paper, section 6)."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from litrig.base.errors import InputError
+
+F32 = NDArray[np.float32]
+_FLAT = 1e-12
+
+
+def vertex_tangents(positions: F32, normals: F32, uvs: F32, triangles: NDArray[np.int32]) -> F32:
+    """Find ∇U in every triangle and average it at the vertices, weighted by area.
+
+    ∇U is the vector in the triangle's plane along which u grows fastest. With edges e1, e2 from one corner, the
+    differences of u along them, and N = e1 × e2, it is (du1·e2 − du2·e1) × N / |N|².
+
+    Parameters
+    ----------
+    positions, normals : (V, 3), the object's own frame; normals unit
+    uvs : (V, 2)
+    triangles : (T, 3)
+
+    Returns
+    -------
+    tangents : (V, 3) float32, unit, orthogonal to the normals
+
+    Raises
+    ------
+    InputError
+        u does not vary around some vertex, so that it has no tangent.
+    """
+    corners = np.asarray(positions, np.float64)[triangles]
+    u = np.asarray(uvs, np.float64)[triangles, 0]
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    du_first, du_second = u[:, 1] - u[:, 0], u[:, 2] - u[:, 0]
+    across = np.cross(first, second)
+    twice_area = np.linalg.norm(across, axis=1, keepdims=True)
+    # |N| times the gradient: the weight by area comes for free, and a triangle without area has no say.
+    weighted = np.cross(du_first[:, None] * second - du_second[:, None] * first, across)
+    weighted /= np.maximum(twice_area, _FLAT)
+    summed = np.zeros(positions.shape)
+    for corner in range(3):
+        np.add.at(summed, triangles[:, corner], weighted)
+    return _unit_in_plane(summed, np.asarray(normals, np.float64))
+
+
+def _unit_in_plane(vectors: NDArray[np.float64], normals: NDArray[np.float64]) -> F32:
+    flat = vectors - normals * np.sum(vectors * normals, axis=1, keepdims=True)
+    length = np.linalg.norm(flat, axis=1, keepdims=True)
+    lost = int(np.count_nonzero(length <= _FLAT))
+    if lost:
+        raise InputError(
+            f"mesh: u does not vary around {lost} of {len(length)} vertices, so that they have no tangent; "
+            "lay out its texture coordinates again"
+        )
+    unit: F32 = (flat / length).astype(np.float32)
+    return unit
