@@ -1,0 +1,98 @@
+"""`litrig render`: a picture of a material."""
+
+import re
+from pathlib import Path
+
+import click
+
+Colour = tuple[float, float, float]
+
+_SIDE_PX = click.IntRange(1, 8192)
+
+
+def _background(_context: click.Context, _option: click.Parameter, value: str) -> Colour | None:
+    """Read a colour as the web writes it, or none."""
+    if value == "transparent":
+        return None
+    if not re.fullmatch(r"#[0-9a-fA-F]{6}", value):
+        raise click.BadParameter(f"{value!r} is no colour; write it like #202124, or transparent")
+    red, green, blue = bytes.fromhex(value[1:])
+    return red / 255, green / 255, blue / 255
+
+
+@click.command(epilog="Example: litrig render brushed.amc.ktx2 -o cloth.png --mesh cloth --pitch 25")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option(
+    "-o", "--output", metavar="IMAGE", type=click.Path(path_type=Path), required=True, help="PNG, JPEG, TIFF or EXR."
+)
+@click.option("--mesh", metavar="NAME", help="What to show it on: torus, sphere, cloth, ribbon or pillow.")
+@click.option(
+    "--light",
+    metavar="U V",
+    type=(float, float),
+    help="Where a PTM's light comes from, seen from the camera: right and up, U² + V² ≤ 1. An AMC has its light in it.",
+)
+@click.option("--size", "size_px", metavar="W H", type=(_SIDE_PX, _SIDE_PX), help="Pixels; 800 800 if left out.")
+@click.option(
+    "--projection",
+    type=click.Choice(["perspective", "orthographic"]),
+    default="perspective",
+    show_default=True,
+    help="With or without vanishing lines.",
+)
+@click.option(
+    "--yaw", "yaw_deg", metavar="DEG", type=float, default=0.0, help="Turn the object about its upright axis."
+)
+@click.option(
+    "--pitch",
+    "pitch_deg",
+    metavar="DEG",
+    type=float,
+    default=30.0,
+    show_default=True,
+    help="Tip its top to the camera.",
+)
+@click.option(
+    "--fov", "fov_deg", metavar="DEG", type=float, default=30.0, show_default=True, help="Field of view in perspective."
+)
+@click.option("--zoom", type=float, default=1.0, show_default=True, help="Show it larger.")
+@click.option(
+    "--background",
+    metavar="COLOUR",
+    callback=_background,
+    default="#202124",
+    show_default=True,
+    help="Colour behind the object like #202124, or transparent.",
+)
+@click.option(
+    "--supersample",
+    metavar="N",
+    type=click.IntRange(1, 8),
+    default=3,
+    show_default=True,
+    help="Draw N times finer and average, for smooth edges.",
+)
+def render(
+    file: Path,
+    output: Path,
+    mesh: str | None,
+    light: tuple[float, float] | None,
+    size_px: tuple[int, int] | None,
+    projection: str,
+    yaw_deg: float,
+    pitch_deg: float,
+    fov_deg: float,
+    zoom: float,
+    background: Colour | None,
+    supersample: int,
+) -> None:
+    """Draw a material into a picture; neither a display nor a graphics card is needed.
+
+    An Anisotropic MatCap (.amc.ktx2) is shown on a mesh, by default a torus. A PTM (.ptm) is relit flat at its own
+    size, its values as the picture's values; with --mesh it is laid on that mesh.
+    """
+    from viewer.render_file import Staging, render_file
+    from viewer.view import Projection, View
+
+    view = View(Projection(projection), yaw_deg, pitch_deg, fov_deg, zoom)
+    render_file(file, output, Staging(mesh, light, size_px, view, background, supersample))

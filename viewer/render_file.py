@@ -1,0 +1,103 @@
+"""From a material file to a picture file."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from litrig.base.errors import InputError
+from processing.amc.ktx2 import read_levels
+from processing.mesh.builtin import builtin_mesh
+from processing.ptm.ptm_file import read_ptm
+from viewer.renderer import Renderer
+from viewer.save import save_flat, save_rendered
+from viewer.view import View
+
+AMC_ENDING = ".amc.ktx2"
+PTM_ENDING = ".ptm"
+DEFAULT_SIZE_PX = (800, 800)
+DEFAULT_LIGHT = (-0.4, 0.4)
+DEFAULT_MESH = "torus"
+DARK_GREY = (0x20 / 255, 0x21 / 255, 0x24 / 255)
+
+
+@dataclass(frozen=True)
+class Staging:
+    """How a material is shown.
+
+    Attributes
+    ----------
+    mesh : name of a builtin mesh; None is a torus for an AMC, and flat for a PTM
+    light : x and y of the unit vector to a PTM's light, view frame; None is one from the upper left
+    size_px : width and height; None is 800 by 800, or the PTM's own size if it is flat
+    background_srgb : colour behind the object, display values 0..1; None is transparent
+    supersample : draw so many times finer and average
+    """
+
+    mesh: str | None = None
+    light: tuple[float, float] | None = None
+    size_px: tuple[int, int] | None = None
+    view: View = field(default_factory=lambda: View(pitch_deg=30))
+    background_srgb: tuple[float, float, float] | None = DARK_GREY
+    supersample: int = 3
+
+
+def render_file(file: Path, output: Path, staging: Staging) -> None:
+    """Draw a material file into a picture file.
+
+    Raises
+    ------
+    InputError, FormatError
+        A file is missing, damaged or of an unknown kind, or the staging does not go with it.
+    MissingToolError
+        OpenGL is not installed.
+    """
+    name = file.name.lower()
+    if name.endswith(AMC_ENDING):
+        _render_amc(file, output, staging)
+    elif name.endswith(PTM_ENDING) and staging.mesh is None:
+        _render_flat(file, output, staging)
+    elif name.endswith(PTM_ENDING):
+        _render_ptm_on_mesh(file, output, staging)
+    else:
+        raise InputError(f"{file}: unknown ending; give a file that ends in {AMC_ENDING} or {PTM_ENDING}")
+
+
+def _render_amc(file: Path, output: Path, staging: Staging) -> None:
+    if staging.light is not None:
+        raise InputError(f"{file}: an AMC was lit when it was captured; leave out the light, turn the object instead")
+    mesh = builtin_mesh(staging.mesh or DEFAULT_MESH)
+    amc, levels = read_levels(file)
+    with Renderer() as renderer:
+        picture = renderer.render_amc(
+            amc,
+            mesh,
+            staging.view,
+            size=staging.size_px or DEFAULT_SIZE_PX,
+            # A file with one level leaves the smaller ones to whoever reads it.
+            levels=levels if len(levels) > 1 else None,
+            supersample=staging.supersample,
+        )
+    save_rendered(output, picture, staging.background_srgb)
+
+
+def _render_flat(file: Path, output: Path, staging: Staging) -> None:
+    if staging.size_px is not None:
+        raise InputError(f"{file}: a flat PTM has its own size; leave out the size, or name a mesh")
+    ptm = read_ptm(file)
+    with Renderer() as renderer:
+        values = renderer.render_ptm(ptm, staging.light or DEFAULT_LIGHT)
+    save_flat(output, values, ptm)
+
+
+def _render_ptm_on_mesh(file: Path, output: Path, staging: Staging) -> None:
+    mesh = builtin_mesh(staging.mesh or DEFAULT_MESH)
+    ptm = read_ptm(file)
+    with Renderer() as renderer:
+        picture = renderer.render_ptm_on_mesh(
+            ptm,
+            mesh,
+            staging.view,
+            staging.light or DEFAULT_LIGHT,
+            size=staging.size_px or DEFAULT_SIZE_PX,
+            supersample=staging.supersample,
+        )
+    save_rendered(output, picture, staging.background_srgb)
