@@ -1,0 +1,45 @@
+"""What moves before the camera, at one instant."""
+
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+F32 = NDArray[np.float32]
+Size = tuple[int, int]
+"""Height and width of a picture in pixels."""
+
+
+class Pose(NamedTuple):
+    """Where the devices truly are.
+
+    Attributes
+    ----------
+    turntable_deg : counter-clockwise as the camera sees it
+    azimuth_deg, elevation_deg : of the lamp on the arm, in the view frame (x right, y up, z to the camera)
+    lamp : 0..1 of full power
+    """
+
+    turntable_deg: float
+    azimuth_deg: float
+    elevation_deg: float
+    lamp: float
+
+
+class Scene(Protocol):
+    """What stands before the camera."""
+
+    def light(self, poses: Sequence[Pose], size: Size) -> F32:
+        """Return the light that falls on the sensor during an exposure.
+
+        Parameters
+        ----------
+        poses : where the devices are at instants that are evenly spread over the exposure; one if nothing moves, and
+            only then is the picture exact rather than quick
+        size : height and width of the picture
+
+        Returns
+        -------
+        linear : (H, W, 3) float32, linear RGB; 1 fills a pixel in 10 ms without gain
+        """
