@@ -1,0 +1,106 @@
+"""Where in the pictures a large circle might be: a Hough transform by FFT over gradients that point along a radius.
+
+Two pictures are searched, each by itself: the mean over the turn (where what stays has its edges) and the deviation
+from it (which is dark wherever nothing turns, whatever the background shows). Weak edges count nearly as much as strong
+ones, for a rim may be dark.
+"""
+
+from collections.abc import Iterator
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+C64 = NDArray[np.complex64]
+
+_LONGEST_SIDE_PX = 200
+_SMALLEST_SHARE, _LARGEST_SHARE = 0.1, 0.65
+_STEP = 1.025
+_RING_WIDTH_PX = 0.9
+_MOST_CANDIDATES = 3
+# Gradients of Scharr's operator below a code of eight bits a pixel say nothing.
+_CODE_GRADIENT = 32 / 255
+
+
+def candidates(greys: F32) -> list[tuple[float, float, float]]:
+    """Propose circles (x, y, radius in pixels of `greys`), up to three from each picture.
+
+    Parameters
+    ----------
+    greys : (N, H, W) display values at several turntable angles
+    """
+    shrink = min(1.0, _LONGEST_SIDE_PX / max(greys.shape[1:]))
+    pictures = [_shrunk(picture, shrink) for picture in (greys.mean(axis=0), greys.std(axis=0))]
+    scale_y, scale_x = (full / small for full, small in zip(greys.shape[1:], pictures[0].shape, strict=True))
+    return [
+        ((column + 0.5) * scale_x, (row + 0.5) * scale_y, radius * (scale_x + scale_y) / 2)
+        for picture in pictures
+        for radius, row, column in _circles(picture)
+    ]
+
+
+def _circles(picture: F32) -> Iterator[tuple[float, int, int]]:
+    radii = _radii(min(picture.shape))
+    # Ring templates reach past the border by their radius.
+    padded = tuple(fft.next_fast_len(side + 2 * int(radii[-1]) + 4, real=True) for side in picture.shape)
+    spectra = [fft.rfft2(part, padded) for part in _radial_field(picture)]
+    height, width = picture.shape
+    scores = np.stack([_score(spectra, float(radius), padded)[:height, :width] for radius in radii])
+    return _peaks(scores, radii)
+
+
+def _shrunk(picture: F32, shrink: float) -> F32:
+    small = cv2.resize(picture, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA)
+    return cv2.GaussianBlur(small, (0, 0), 0.8).astype(np.float32)
+
+
+def _radial_field(picture: F32) -> tuple[F32, F32]:
+    """Gradients as double angles (cos 2φ, sin 2φ), so that dark-to-bright and bright-to-dark agree; length below 1."""
+    along_x = cv2.Scharr(picture, cv2.CV_32F, 1, 0)
+    along_y = cv2.Scharr(picture, cv2.CV_32F, 0, 1)
+    energy = along_x**2 + along_y**2
+    soft = energy + np.quantile(energy, 0.85) + _CODE_GRADIENT**2
+    return ((along_x**2 - along_y**2) / soft).astype(np.float32), (2 * along_x * along_y / soft).astype(np.float32)
+
+
+def _radii(shorter_side: int) -> F64:
+    count = int(np.log(_LARGEST_SHARE / _SMALLEST_SHARE) / np.log(_STEP)) + 1
+    radii: F64 = _SMALLEST_SHARE * shorter_side * np.power(_STEP, np.arange(count))
+    return radii
+
+
+def _score(spectra: list[C64], radius: float, padded: tuple[int, ...]) -> F32:
+    """Mean over each circle of this radius of how radial the gradients are, times √radius for the many that agree."""
+    reach = int(np.ceil(radius + 3 * _RING_WIDTH_PX))
+    y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1].astype(np.float32)
+    distance = np.maximum(np.hypot(x, y), 1e-6)
+    ring = np.exp(-0.5 * ((distance - radius) / _RING_WIDTH_PX) ** 2)
+    ring /= ring.sum()
+    double_cosine, double_sine = (x**2 - y**2) / distance**2 * ring, 2 * x * y / distance**2 * ring
+    templates = [np.conj(_template(part, padded)) for part in (double_cosine, double_sine)]
+    score: F32 = fft.irfft2(spectra[0] * templates[0] + spectra[1] * templates[1], padded) * np.sqrt(radius)
+    return score
+
+
+def _template(ring: F32, padded: tuple[int, ...]) -> C64:
+    """Spectrum of a template whose middle is moved to (0, 0)."""
+    reach = len(ring) // 2
+    whole = np.zeros(padded, np.float32)
+    whole[: len(ring), : len(ring)] = ring
+    spectrum: C64 = fft.rfft2(np.roll(whole, (-reach, -reach), (0, 1)))
+    return spectrum
+
+
+def _peaks(scores: F32, radii: F64) -> Iterator[tuple[float, int, int]]:
+    """Yield (radius, row, column) of the best circles, each unlike those before."""
+    left = scores.copy()
+    rows, columns = np.mgrid[: scores.shape[1], : scores.shape[2]]
+    for _ in range(_MOST_CANDIDATES):
+        level, row, column = (int(place) for place in np.unravel_index(int(np.argmax(left)), left.shape))
+        yield float(radii[level]), row, column
+        alike = np.abs(np.log(radii / radii[level])) < 0.1
+        near = np.hypot(rows - row, columns - column) < 0.1 * radii[level]
+        left[np.ix_(alike, near.any(1), near.any(0))] = -np.inf

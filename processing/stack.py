@@ -1,0 +1,91 @@
+"""Frames of one scene, read when they are asked for: a session of any length needs the memory of one picture."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from litrig.base.capture_folder.capture import Capture, Role
+from litrig.base.errors import FormatError, InputError
+from litrig.base.pictures import read_encoded, read_linear
+from litrig.base.radiometry import encode_srgb
+
+F32 = NDArray[np.float32]
+Space = Literal["srgb", "linear"]
+Correction = Callable[[F32], F32]
+
+
+class Stack:
+    """Pictures of one size in their order.
+
+    Parameters
+    ----------
+    paths : the picture files
+    correct : what is done to the linear light (H, W, 3) of each, such as taking out a lens's distortion
+    """
+
+    def __init__(self, paths: Sequence[Path], correct: Correction | None = None) -> None:
+        if not paths:
+            raise InputError("a stack of no pictures; name at least one")
+        self.paths = tuple(paths)
+        self._correct = correct
+        self._shape: tuple[int, int] | None = None
+
+    @classmethod
+    def of(cls, capture: Capture, role: Role = Role.FRAME, correct: Correction | None = None) -> "Stack":
+        """Take the frames of one role from a capture folder.
+
+        Raises
+        ------
+        InputError
+            The folder has none.
+        """
+        paths = [frame.path for frame in capture.having(role)]
+        if not paths:
+            raise InputError(f"{capture.folder}: has no pictures of role {role}; capture it, or name the folder anew")
+        return cls(paths, correct)
+
+    def __len__(self) -> int:
+        return len(self.paths)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width that every picture must have: those of the first."""
+        if self._shape is None:
+            self.linear(0)
+        assert self._shape is not None  # noqa: S101  # for the type checker: reading sets it
+        return self._shape
+
+    def linear(self, index: int) -> F32:
+        """Read one picture as linear light, (H, W, 3) float32, row 0 on top.
+
+        Raises
+        ------
+        InputError, FormatError
+            The file is missing, damaged, or of another size than the first; the message names it.
+        """
+        picture = self._checked(index, read_linear(self.paths[index]))
+        return picture if self._correct is None else self._correct(picture)
+
+    def encoded(self, index: int) -> F32:
+        """Read one picture as display values (H, W, 3) float32 0..1; errors as for `linear`."""
+        if self._correct is not None:
+            return encode_srgb(self.linear(index))
+        return self._checked(index, read_encoded(self.paths[index]))
+
+    def frame(self, index: int, space: Space) -> F32:
+        """Read one picture in the space that is asked for."""
+        return self.linear(index) if space == "linear" else self.encoded(index)
+
+    def _checked(self, index: int, picture: F32) -> F32:
+        height, width = picture.shape[:2]
+        if self._shape is None:
+            self._shape = (height, width)
+        if (height, width) != self._shape:
+            raise FormatError(
+                f"{self.paths[index]}: is {width} × {height} pixels, the pictures before it are "
+                f"{self._shape[1]} × {self._shape[0]}; shoot it again at that size, or take it out"
+            )
+        return picture

@@ -1,0 +1,229 @@
+"""Building against a rendered sphere; the truth is shaded at the table's own normals and tangents, orthographically."""
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from litrig.base.camera_model import CameraModel
+from litrig.base.capture_folder.capture import Capture
+from litrig.base.capture_folder.reader import read_capture
+from litrig.base.errors import InputError
+from litrig.base.progress import Progress
+from litrig.base.table_normals import TableNormal
+from processing.amc.build import build
+from processing.amc.circle import Circle
+from processing.amc.model import Amc
+from tests.processing.amc.brushed_sphere import Scene, true_table
+
+SIZE = 32
+CIRCLE = Circle(59.3, 54.8, 46.4)
+SHAPE = (110, 118)
+SLICES = 24
+EVEN_DEG = np.arange(SLICES) * 360 / SLICES
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory: pytest.TempPathFactory) -> "Folders":
+    return Folders(tmp_path_factory.mktemp("spheres"))
+
+
+class Folders:
+    """Renders every scene once."""
+
+    def __init__(self, root: Path) -> None:
+        self._root = root
+        self.shoot = cache(self._shoot)
+
+    def _shoot(self, kind: str, distance_radii: float | None = None, angles_deg: tuple[float, ...] = ()) -> Capture:
+        circle = (CIRCLE.x_px, CIRCLE.y_px, CIRCLE.radius_px)
+        scene = Scene(kind, circle, SHAPE, distance_radii, background="white", noise=0.004, samples=2)
+        angles = np.array(angles_deg) if angles_deg else EVEN_DEG
+        folder = self._root / f"{kind}-{distance_radii}-{hash(angles_deg)}"
+        return read_capture(scene.shoot(folder, angles, ".jpg" if kind == "3" else ".png"))
+
+
+def build_there(capture: Capture, **options: Any) -> Amc:
+    """Build with the circle given, for tests that are about something else."""
+    return build(capture, **{"size": SIZE, "circle": CIRCLE, **options}).amc
+
+
+def error_against(amc: Amc, kind: str, taus_deg: NDArray[np.float64] | None = None) -> float:
+    """Relative RMSE over the disc up to n-radius 0.8."""
+    even = np.arange(len(amc.slices)) * 360 / (len(amc.slices) * amc.repeats)
+    truth, radius = true_table(kind, amc.slices.shape[1], even if taus_deg is None else taus_deg)
+    inner = radius < 0.8
+    return float(np.sqrt(np.mean((amc.slices - truth)[:, inner] ** 2) / np.mean(truth[:, inner] ** 2)))
+
+
+@pytest.mark.parametrize("kind", ["1", "2", "isotropic"])
+def test_an_orthographic_table_is_the_material(folders: Folders, kind: str) -> None:
+    assert error_against(build_there(folders.shoot(kind), invariance=1, depth=SLICES), kind) < 0.012
+
+
+@pytest.mark.parametrize(("kind", "found"), [("1", 1), ("2", 2), ("3", 3), ("4", 4), ("isotropic", "isotropic")])
+@pytest.mark.parametrize("distance_radii", [None, 4.0])
+def test_the_invariance_is_found(folders: Folders, kind: str, found: int | str, distance_radii: float | None) -> None:
+    result = build(folders.shoot(kind, distance_radii), size=SIZE, distance_radii=distance_radii)
+    assert result.amc.invariance == result.invariance.found == found
+    assert len(result.amc.slices) == (1 if found == "isotropic" else SLICES / int(found))
+
+
+def test_a_folded_table_keeps_the_material(folders: Folders) -> None:
+    amc = build_there(folders.shoot("2"))
+    assert amc.slices.shape == (SLICES // 2, SIZE, SIZE, 3)
+    assert error_against(amc, "2") < 0.012
+
+
+@pytest.mark.parametrize(("distance_radii", "limit"), [(4.0, 0.04), (8.0, 0.02)])
+def test_in_perspective_rectified_is_nearest_to_the_orthographic_truth(
+    folders: Folders, distance_radii: float, limit: float
+) -> None:
+    capture = folders.shoot("2", distance_radii)
+    options = {"invariance": 1, "depth": SLICES}
+    rectified, view, camera = (
+        error_against(build_there(capture, distance_radii=distance_radii, table_normal=kind, **options), "2")
+        for kind in (TableNormal.RECTIFIED, TableNormal.VIEW, TableNormal.CAMERA)
+    )
+    naive = error_against(build_there(capture, **options), "2")
+    assert rectified < limit
+    assert rectified < min(view, camera, naive) / 3
+
+
+def test_turning_the_sample_counter_clockwise_raises_k(folders: Folders) -> None:
+    """The picture at turntable angle θ is the slice at k = θ/360; a wrong sign would show the one at −θ."""
+    amc = build_there(folders.shoot("1"), invariance=1, depth=SLICES)
+    forward, backward = error_against(amc, "1", EVEN_DEG), error_against(amc, "1", -EVEN_DEG)
+    assert forward < 0.012
+    assert backward > 20 * forward
+
+
+def test_the_tangent_at_turntable_zero_shifts_the_slices(folders: Folders) -> None:
+    """Said to be 30 degrees further than it was, the table shows at k what was 30 degrees before."""
+    amc = build_there(folders.shoot("2"), invariance=1, depth=SLICES, tangent_zero_deg=30)
+    assert error_against(amc, "2", EVEN_DEG - 30) < 0.012
+    assert amc.slice_angles_deg == pytest.approx(EVEN_DEG + 30)
+
+
+def test_the_session_says_the_tangent_unless_overruled(folders: Folders) -> None:
+    capture = replace(folders.shoot("2"), tangent_zero_deg=30.0)
+    assert build_there(capture).slice_angles_deg[0] == pytest.approx(30)
+    assert build_there(capture, tangent_zero_deg=10).slice_angles_deg[0] == pytest.approx(10)
+
+
+def test_uneven_angles_are_put_where_they_were_measured(folders: Folders) -> None:
+    jitter = np.random.default_rng(2).uniform(-0.3, 0.3, SLICES)
+    angles = (np.arange(SLICES) + jitter) * 360 / SLICES
+    amc = build_there(folders.shoot("2", None, tuple(angles)), invariance=1, depth=SLICES)
+    assert error_against(amc, "2") < 0.03
+
+
+def test_frames_in_any_order_and_beyond_a_turn_are_the_same_table(folders: Folders) -> None:
+    capture = folders.shoot("2")
+    frames = [replace(frame, angle_deg=(frame.angle_deg or 0) - 720) for frame in capture.frames]
+    shuffled = replace(capture, frames=tuple(frames[7:] + frames[:7][::-1]))
+    expected, found = (build(one, size=SIZE, circle=CIRCLE).amc.slices for one in (capture, shuffled))
+    assert found == pytest.approx(expected, abs=1e-4)
+
+
+def test_128_slices_of_a_material_that_repeats_three_times(tmp_path: Path) -> None:
+    scene = Scene("3", (47.2, 45.4, 39.1), (92, 96), samples=1, noise=0.004)
+    result = build(read_capture(scene.shoot(tmp_path, np.arange(128) * 360 / 128, ".jpg")), size=24)
+    assert result.amc.invariance == 3
+    assert len(result.amc.slices) == 43
+    assert error_against(result.amc, "3") < 0.03
+
+
+def test_folding_by_three_costs_what_the_report_says(folders: Folders) -> None:
+    """On tilted normals k and the tangent's angle differ, so that only R = 1 and 2 fold without loss."""
+    report = build(folders.shoot("3"), size=SIZE).invariance
+    evidence = report.of(3)
+    assert evidence is not None
+    assert evidence.outside_plane < 0.01 < 0.05 < evidence.outside_k < 0.15
+
+
+def test_the_depth_is_what_was_asked_for(folders: Folders) -> None:
+    amc = build_there(folders.shoot("2"), depth=31, invariance=2)
+    assert len(amc.slices) == 31
+    assert error_against(amc, "2") < 0.012
+
+
+def test_a_prescribed_invariance_overrules_the_found_one(folders: Folders) -> None:
+    result = build(folders.shoot("2"), size=SIZE, invariance="isotropic")
+    assert (result.amc.invariance, len(result.amc.slices), result.invariance.found) == ("isotropic", 1, 2)
+
+
+def test_the_table_says_where_it_comes_from(folders: Folders) -> None:
+    capture = folders.shoot("2")
+    steps: list[Progress] = []
+    result = build(capture, size=SIZE, report=steps.append)
+    assert result.amc.source == capture.digest
+    assert result.amc.valid.shape == result.amc.slices.shape[:3]
+    assert result.amc.slices.dtype == np.float32
+    assert result.amc.slices.min() >= 0
+    assert {step.job for step in steps} == {"finding the sphere", "resampling"}
+    assert steps[-1].done == steps[-1].total == SLICES
+
+
+def test_invalid_texels_hold_the_colour_of_the_nearest_valid_one(folders: Folders) -> None:
+    amc = build_there(folders.shoot("2"))
+    assert not amc.valid[0, 0, 0]
+    rows, columns = np.nonzero(amc.valid[0])
+    squared = rows**2 + columns**2
+    nearest = squared == squared.min()
+    candidates = amc.slices[:, rows[nearest], columns[nearest]]
+    assert np.all(candidates == amc.slices[:, :1, 0], axis=(0, 2)).any()
+
+
+def test_a_camera_model_gives_the_distance(folders: Folders) -> None:
+    focal_px = CIRCLE.radius_px * np.sqrt(4.0**2 - 1)
+    camera = CameraModel(
+        width=SHAPE[1], height=SHAPE[0], focal_x_px=focal_px, focal_y_px=focal_px, centre_x_px=59.3, centre_y_px=54.8
+    )
+    result = build(folders.shoot("2", 4.0), size=SIZE, camera=camera)
+    assert result.distance_radii == pytest.approx(4.0, abs=0.02)
+
+
+def test_the_sessions_distance_is_used_unless_overruled(folders: Folders) -> None:
+    capture = replace(folders.shoot("2", 4.0), sphere_distance_radii=4.0)
+    assert build(capture, size=SIZE).distance_radii == 4.0
+    assert build(capture, size=SIZE, distance_radii=5.0).distance_radii == 5.0
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        pytest.param({"circle": Circle(30, 55, 46)}, "cut by the border", id="circle off the picture"),
+        pytest.param({"distance_radii": 0.5}, "0.5 radii", id="camera inside"),
+        pytest.param({"size": 2}, "2 texels", id="no table"),
+        pytest.param({"depth": 0}, "depth of 0", id="no slice"),
+        pytest.param({"invariance": 0}, "invariance of 0", id="repeats never"),
+        pytest.param({"threshold": 5.0}, "threshold of 5", id="threshold in percent"),
+    ],
+)
+def test_wrong_options_are_refused(folders: Folders, options: dict[str, Any], reason: str) -> None:
+    with pytest.raises(InputError, match=reason):
+        build_there(folders.shoot("2"), **options)
+
+
+def test_a_frame_without_an_angle_is_named(folders: Folders) -> None:
+    capture = folders.shoot("2")
+    frames = (*capture.frames[:-1], replace(capture.frames[-1], angle_deg=None))
+    with pytest.raises(InputError, match=r"frame_0023\.png: has no turntable angle"):
+        build(replace(capture, frames=frames))
+
+
+def test_a_gap_between_angles_is_named(folders: Folders) -> None:
+    capture = folders.shoot("2")
+    with pytest.raises(InputError, match=r"no frame between 105\.0 and 225\.0 deg"):
+        build(replace(capture, frames=capture.frames[:8] + capture.frames[15:]))
+
+
+def test_too_few_frames_are_refused(folders: Folders) -> None:
+    capture = folders.shoot("2")
+    with pytest.raises(InputError, match="at least 8"):
+        build(replace(capture, frames=capture.frames[::4]))
