@@ -1,0 +1,127 @@
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from litrig.base.errors import InputError
+from litrig.base.progress import Progress
+from processing.ptm.fit import Colour, fit, split_colour
+from processing.ptm.model import Space
+from processing.ptm.quality import fit_quality
+from processing.ptm.relight import relight
+from processing.stack import Stack
+from tests.processing.ptm.relief import dome, relief_pictures, write_relief
+
+LIGHTS = dome(24)
+
+
+@pytest.fixture(scope="module")
+def relief(tmp_path_factory: pytest.TempPathFactory) -> Stack:
+    return Stack(write_relief(tmp_path_factory.mktemp("relief"), LIGHTS))
+
+
+def write_polynomial(folder: Path, coefficients: NDArray[np.float64], colour: NDArray[np.float64]) -> Stack:
+    """16-bit pictures of (6, H, W) polynomials times a colour (3,)."""
+    paths = []
+    for index, (u, v, _) in enumerate(LIGHTS):
+        values = np.tensordot([u * u, v * v, u * v, u, v, 1], coefficients, axes=1)[..., None] * colour
+        assert 0 <= values.min() <= values.max() <= 1
+        paths.append(folder / f"{index:03d}.png")
+        cv2.imwrite(str(paths[-1]), np.rint(values[..., ::-1] * 65535).astype(np.uint16))
+    return Stack(paths)
+
+
+def polynomials() -> NDArray[np.float64]:
+    y, x = np.mgrid[:5, :7] / 7
+    return np.stack([-0.1 + 0 * x, -0.1 * x, 0.05 * y, 0.1 * x, -0.1 * y, 0.5 + 0.1 * x])
+
+
+@pytest.mark.parametrize("colour", ["rgb", "lrgb"])
+def test_pictures_of_a_polynomial_give_it_back(colour: Colour, tmp_path: Path) -> None:
+    truth, tint = polynomials(), np.array([1.0, 0.7, 0.3])
+    ptm = fit(write_polynomial(tmp_path, truth, tint), LIGHTS, colour=colour)
+    product = ptm.coefficients if ptm.colour is None else ptm.coefficients * ptm.colour
+    assert product == pytest.approx(truth[..., None] * tint, abs=1e-4)
+    assert ptm.coefficients.shape == (6, 5, 7, 3 if colour == "rgb" else 1)
+    assert ptm.coefficients.dtype == np.float32
+
+
+def test_the_fit_is_the_least_squares_of_every_pixel(relief: Stack) -> None:
+    pictures = np.rint(relief_pictures(LIGHTS) * 255) / 255
+    u, v, _ = LIGHTS.T
+    design = np.stack([u * u, v * v, u * v, u, v, np.ones_like(u)], axis=1)
+    expected = np.linalg.lstsq(design, pictures.reshape(len(LIGHTS), -1), rcond=None)[0]
+    assert fit(relief, LIGHTS, colour="rgb").coefficients.reshape(6, -1) == pytest.approx(expected, abs=1e-4)
+
+
+def test_luminance_times_colour_comes_near_to_three_polynomials(relief: Stack) -> None:
+    rgb, lrgb = (fit_quality(fit(relief, LIGHTS, colour=colour), relief, LIGHTS).psnr_db for colour in ("rgb", "lrgb"))
+    assert rgb - 1 < lrgb <= rgb + 1e-3
+
+
+def test_the_split_is_the_best_of_rank_one() -> None:
+    """Against the singular values of the weighted coefficients: what rank one must leave."""
+    random = np.random.default_rng(4)
+    tint = random.uniform(0.2, 1, (9, 3))
+    columns = random.standard_normal((9, 6))[..., None] * tint[:, None] + 0.1 * random.standard_normal((9, 6, 3))
+    root = np.linalg.qr(random.standard_normal((30, 6)))[1]
+    luminance, colour = split_colour(np.moveaxis(columns, 1, 0).astype(np.float32), root.T @ root)
+    product = np.moveaxis(luminance * colour, 0, 1)
+    left = np.linalg.norm(root @ (columns - product), axis=(1, 2))
+    least = np.sqrt((np.linalg.svd(root @ columns, compute_uv=False)[:, 1:] ** 2).sum(axis=1))
+    assert left == pytest.approx(least, rel=0.02)
+
+
+def test_a_pixel_that_is_always_black_is_neutral_and_finite(relief: Stack) -> None:
+    ptm = fit(relief, LIGHTS)
+    assert ptm.colour is not None
+    assert np.isfinite(ptm.coefficients).all()
+    assert np.isfinite(ptm.colour).all()
+    assert ptm.colour[0, 0] == pytest.approx([1, 1, 1])
+    assert ptm.coefficients[:, 0, 0] == pytest.approx(0)
+
+
+@pytest.mark.parametrize("space", ["srgb", "linear"])
+def test_the_space_decides_what_is_fitted(space: Space, relief: Stack) -> None:
+    ptm = fit(relief, LIGHTS, colour="rgb", space=space, source="digest")
+    mean = np.mean([relief.frame(index, space) for index in range(len(relief))], axis=0)
+    fitted = np.mean([relight(ptm, light) for light in LIGHTS], axis=0)
+    assert fitted == pytest.approx(mean, abs=1e-4)
+    assert (ptm.space, ptm.source) == (space, "digest")
+
+
+def test_raising_the_light_to_the_right_brightens_what_faces_right(relief: Stack) -> None:
+    """The hill's right flank is brighter under a light from the right, its upper flank under one from above."""
+    ptm = fit(relief, LIGHTS)
+    right, left, up, down = (relight(ptm, np.array(light)) for light in [(0.7, 0), (-0.7, 0), (0, 0.7), (0, -0.7)])
+    assert right[19, 23].mean() > left[19, 23].mean() + 0.1
+    assert up[13, 17].mean() > down[13, 17].mean() + 0.1
+
+
+def test_quality_names_the_frames_that_fit_worst(relief: Stack) -> None:
+    quality = fit_quality(fit(relief, LIGHTS), relief, LIGHTS)
+    worst = quality.worst(3)
+    assert quality.per_light_db[worst[0]] == quality.per_light_db.min()
+    assert quality.per_light_db.min() <= quality.psnr_db <= quality.per_light_db.max()
+    squared = np.mean(10 ** (-quality.per_light_db / 10))
+    assert quality.psnr_db == pytest.approx(-10 * np.log10(squared))
+
+
+def test_quality_is_the_distance_to_the_pictures(relief: Stack) -> None:
+    ptm = fit(relief, LIGHTS, colour="rgb")
+    shown = np.clip(relight(ptm, LIGHTS[5]), 0, 1)
+    expected = -10 * np.log10(np.mean((shown - relief.encoded(5)) ** 2))
+    assert fit_quality(ptm, relief, LIGHTS).per_light_db[5] == pytest.approx(expected, abs=1e-3)
+
+
+def test_every_frame_is_reported(relief: Stack) -> None:
+    steps: list[Progress] = []
+    fit(relief, LIGHTS, report=steps.append)
+    assert [step.done for step in steps] == list(range(1, len(LIGHTS) + 1))
+
+
+def test_lights_and_pictures_must_be_as_many(relief: Stack) -> None:
+    with pytest.raises(InputError, match="24 pictures but 23 lights"):
+        fit(relief, LIGHTS[:-1])

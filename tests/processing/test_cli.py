@@ -1,0 +1,151 @@
+"""The commands end to end; what they compute is tested beside the modules that compute it."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from litrig.base.errors import InputError
+from litrig.base.pictures import read_codes
+from processing.amc.ktx2 import read_amc
+from processing.cli import amc, ptm
+from processing.ptm.ptm_file import read_ptm
+from processing.ptm.relight import relight
+from tests.processing.amc.brushed_sphere import Scene
+from tests.processing.ptm.relief import dome, write_relief
+
+
+@pytest.fixture(scope="module")
+def sphere(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    scene = Scene(circle=(59.3, 54.8, 46.4), shape=(110, 118), samples=2)
+    return scene.shoot(tmp_path_factory.mktemp("sphere"), np.linspace(0, 337.5, 16))
+
+
+@pytest.fixture(scope="module")
+def relief(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("relief")
+    write_relief(folder, dome(12), 24)
+    return folder
+
+
+def run(group: object, *arguments: object) -> Result:
+    """Run a command; what it raises is raised here."""
+    return CliRunner().invoke(group, [str(word) for word in arguments], catch_exceptions=False)  # type: ignore[arg-type]
+
+
+def test_build_writes_the_table_and_says_what_it_found(sphere: Path, tmp_path: Path) -> None:
+    out = tmp_path / "x.amc.ktx2"
+    result = run(amc, "build", sphere, "-o", out, "--size", 24)
+    assert result.exit_code == 0
+    for words in ("centre 59.", "radius 46.", "orthographic", "R = 2\n", "8 slices of 24 × 24", str(out)):
+        assert words in result.output
+    assert read_amc(out).slices.shape == (8, 24, 24, 3)
+
+
+def test_build_takes_every_option(sphere: Path, tmp_path: Path) -> None:
+    out = tmp_path / "x.amc.ktx2"
+    options = "--size 16 --depth 5 --invariance 1 --circle 59.3 54.8 46.4 --distance 8 --normal view --tangent-zero 40"
+    result = run(amc, "build", sphere, "-o", out, *options.split(), "--threshold", 0.1)
+    assert "camera at 8.00 radii" in result.output
+    assert "R = 1, as asked for (found: 2)" in result.output
+    table = read_amc(out)
+    assert (len(table.slices), table.invariance, str(table.table_normal)) == (5, 1, "view")
+    assert table.slice_angles_deg[0] == pytest.approx(40)
+
+
+def test_build_takes_the_distance_from_a_camera_model(sphere: Path, tmp_path: Path) -> None:
+    camera = tmp_path / "camera.toml"
+    camera.write_text(
+        "width = 118\nheight = 110\nfocal_x_px = 464\nfocal_y_px = 464\ncentre_x_px = 59.3\ncentre_y_px = 54.8\n"
+    )
+    result = run(amc, "build", sphere, "-o", tmp_path / "x.amc.ktx2", "--size", 16, "--camera", camera)
+    assert "camera at 10.0" in result.output
+
+
+def test_amc_info_speaks_json(sphere: Path, tmp_path: Path) -> None:
+    out = tmp_path / "x.amc.ktx2"
+    run(amc, "build", sphere, "-o", out, "--size", 16, "--invariance", "isotropic")
+    facts = json.loads(run(amc, "info", out, "--json").output)
+    assert (facts["size"], facts["depth"], facts["invariance"], facts["captured_slices"]) == (16, 1, "isotropic", 16)
+    assert "invariance: isotropic" in run(amc, "info", out).output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        pytest.param(["--invariance", "often"], "'often' is neither", id="invariance in words"),
+        pytest.param(["--normal", "sideways"], "sideways", id="no such normal"),
+        pytest.param(["--distance", "8", "--camera", "c.toml"], "give one", id="two distances"),
+        pytest.param(["--circle", "1", "2"], "3", id="two of three numbers"),
+    ],
+)
+def test_wrong_usage_is_status_two(arguments: list[str], message: str, sphere: Path, tmp_path: Path) -> None:
+    result = run(amc, "build", sphere, "-o", tmp_path / "x.amc.ktx2", *arguments)
+    assert result.exit_code == 2
+    assert message in result.output
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        pytest.param("x.png", r"x\.png: cannot be written as \.png", id="wrong ending"),
+        pytest.param("nowhere/x.ktx2", "nowhere does not exist", id="no such folder"),
+    ],
+)
+def test_an_output_that_cannot_be_is_refused_before_the_work(
+    name: str, message: str, sphere: Path, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match=message):
+        run(amc, "build", sphere, "-o", tmp_path / name)
+
+
+def test_fit_writes_the_ptm_and_says_how_well_it_fits(relief: Path, tmp_path: Path) -> None:
+    out = tmp_path / "x.ptm"
+    result = run(ptm, "fit", relief, "-o", out)
+    assert "dB over 12 pictures; worst light_" in result.output
+    assert "24 × 24 pixels, LRGB, srgb values" in result.output
+    assert read_ptm(out).source
+
+
+def test_fit_takes_every_option(relief: Path, tmp_path: Path) -> None:
+    """The list names eleven of the twelve pictures, so that it is seen to be used."""
+    short = tmp_path / "short.lp"
+    lines = (relief / "relief.lp").read_text().splitlines()
+    short.write_text("\n".join(["11", *lines[1:12]]))
+    out = tmp_path / "x.ptm"
+    result = run(ptm, "fit", relief, "-o", out, "--lp", short, "--colour", "rgb", "--space", "linear")
+    assert "over 11 pictures" in result.output
+    facts = json.loads(run(ptm, "info", out, "--json").output)
+    assert (facts["width"], facts["height"], facts["colour"], facts["space"]) == (24, 24, "rgb", "linear")
+    assert "space: linear" in run(ptm, "info", out).output
+
+
+def test_pictures_without_lights_are_refused(sphere: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"frame_0000\.png: its light is not known.*--lp"):
+        run(ptm, "fit", sphere, "-o", tmp_path / "x.ptm")
+
+
+def test_relight_writes_the_stored_values(relief: Path, tmp_path: Path) -> None:
+    run(ptm, "fit", relief, "-o", tmp_path / "x.ptm")
+    run(ptm, "relight", tmp_path / "x.ptm", "--light", 0.3, -0.4, "-o", tmp_path / "lit.png")
+    codes = read_codes(tmp_path / "lit.png")
+    values = relight(read_ptm(tmp_path / "x.ptm"), np.array([0.3, -0.4]))
+    assert np.array_equal(codes, np.rint(np.clip(values, 0, 1) * 255))
+
+
+def test_a_light_below_the_horizon_is_refused(relief: Path, tmp_path: Path) -> None:
+    run(ptm, "fit", relief, "-o", tmp_path / "x.ptm")
+    with pytest.raises(InputError, match="below the horizon"):
+        run(ptm, "relight", tmp_path / "x.ptm", "--light", 0.8, 0.8, "-o", tmp_path / "lit.png")
+
+
+@pytest.mark.parametrize("words", [["build"], ["info"]])
+def test_every_amc_command_has_help_and_an_example(words: list[str]) -> None:
+    assert f"Example: litrig amc {words[0]}" in " ".join(run(amc, *words, "--help").output.split())
+
+
+@pytest.mark.parametrize("words", [["fit"], ["info"], ["relight"]])
+def test_every_ptm_command_has_help_and_an_example(words: list[str]) -> None:
+    assert f"Example: litrig ptm {words[0]}" in " ".join(run(ptm, *words, "--help").output.split())
