@@ -33,7 +33,7 @@ ERRORS = {
     8: "only possible when idle",
     9: "locked after an alarm",
     10: "soft limits need homing",
-    14: "line too long",
+    11: "line too long",
     15: "jog beyond the machine's travel",
     20: "unsupported command",
     22: "no feed rate",
