@@ -4,6 +4,8 @@ import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from acquisition.plans import AmcPlan, Plan, PtmPlan
 from acquisition.session import SessionInfo, capture
 from firmware_sim.config import SimConfig
@@ -31,7 +33,7 @@ from viewer.view import View
 MARKER = ".litrig-demo"
 BRUSHED, RELIEF = "brushed", "relief"
 LIGHTS = ((-0.6, 0.5), (0.65, 0.45), (0.0, -0.75), (0.25, 0.1))
-VIEWS = {"torus": View(yaw_deg=-24, pitch_deg=38), "cloth": View(yaw_deg=-18, pitch_deg=24)}
+VIEWS = {"torus": View(yaw_deg=-24, pitch_deg=38, zoom=1.25), "cloth": View(yaw_deg=-18, pitch_deg=24, zoom=1.35)}
 
 
 @dataclass(frozen=True)
@@ -59,11 +61,11 @@ class DemoSize:
         """Return the stages and roughly what they take on two cores."""
         pixels = self.picture[0] * self.picture[1] / 1e6
         return {
-            "capture of the brushed sphere": 6 + 0.45 * self.slices,
-            "capture of the relief": 10 + 0.7 * self.lights,
-            "Anisotropic MatCap": 2 + 0.08 * self.slices,
-            "PTM": 1 + 0.06 * self.lights,
-            "renders": 2 + 6 * pixels,
+            "capture of the brushed sphere": 6 + 0.29 * self.slices,
+            "capture of the relief": 9 + 0.54 * self.lights,
+            "Anisotropic MatCap": 1 + 0.03 * self.slices,
+            "PTM": 0.3 + 0.01 * self.lights,
+            "renders": 1 + 2 * pixels,
         }
 
 
@@ -126,7 +128,7 @@ def _capture(sim: SimConfig, plan: Plan, folder: Path, report: Report) -> None:
 
 def _fit(source: Path, target: Path, report: Report) -> None:
     session = read_capture(source)
-    lights = [frame.light for frame in session.frames if frame.light is not None]
+    lights = np.array([frame.light for frame in session.frames if frame.light is not None])
     write_ptm(target, fit(Stack.of(session), lights, source=session.digest, report=report))
 
 

@@ -1,0 +1,39 @@
+"""Run every benchmark and write the table. Usage: python -m benchmarks.run docs/benchmarks.md"""
+
+import os
+import platform
+import sys
+import tempfile
+from pathlib import Path
+
+from benchmarks import materials, storage, viewing, wires
+from benchmarks.measure import table
+
+TEXT = """# Benchmarks
+
+Made by `make bench`. Both sides of a row run in turn within one process, on warm caches; the ratio is what counts, the
+seconds only say of what order things are. Fast and wrong does not count: each benchmark checks its result first.
+
+Last run: Python {python}, {cores} cores, {machine}.
+
+{table}
+"""
+
+
+def main() -> None:
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        rows = [
+            *materials.comparisons(folder),
+            *viewing.comparisons(),
+            *storage.comparisons(folder),
+            *wires.comparisons(),
+        ]
+    page = TEXT.format(
+        python=platform.python_version(), cores=os.cpu_count(), machine=platform.machine(), table=table(rows)
+    )
+    Path(sys.argv[1]).write_text(page, encoding="utf-8")
+    sys.stdout.write(page)
+
+
+main()
