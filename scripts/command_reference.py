@@ -18,7 +18,8 @@ def sections(command: click.Command, name: str, parent: click.Context | None = N
     """Yield a section for a command and for everything below it."""
     context = click.Context(command, info_name=name, parent=parent, terminal_width=100, max_content_width=100)
     title = context.command_path
-    yield f"{'##' if parent is None or parent.parent is None else '###'} {title}\n\n```text\n{command.get_help(context)}\n```\n"
+    heading = "##" if parent is None or parent.parent is None else "###"
+    yield f"{heading} {title}\n\n```text\n{command.get_help(context)}\n```\n"
     if isinstance(command, click.Group):
         for child in command.list_commands(context):
             yield from sections(command.commands[child], child, context)
