@@ -46,9 +46,10 @@ def demo(folder: Path, small: bool) -> None:
     """
     from litrig.base.console import reporting
     from litrig.demo.run import DemoSize, run_demo
+    from litrig.demo.scenes import SceneKind
 
     with reporting() as report:
-        page = run_demo(folder, DemoSize.small() if small else DemoSize(), report)
+        page = run_demo(folder, DemoSize.small() if small else DemoSize(), SceneKind.ANALYTIC, report)
     click.echo(f"The demo is complete: open {page}")
 
 

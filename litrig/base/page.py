@@ -12,11 +12,11 @@ from litrig.base.version import litrig_version
 
 @dataclass(frozen=True)
 class Figure:
-    """A picture with a caption.
+    """A picture, or a video that plays in a loop, with a caption.
 
     Attributes
     ----------
-    file : path relative to the page
+    file : path relative to the page; .mp4 is a video
     wide : takes the page's whole width
     size : width and height in pixels, so that the page does not jump while it loads
     """
@@ -37,12 +37,18 @@ class Table:
 
 @dataclass(frozen=True)
 class Section:
-    """A part of a page."""
+    """A part of a page.
+
+    Attributes
+    ----------
+    columns : figures a row; a wide one takes a row of its own
+    """
 
     title: str
     text: str = ""
     figures: Sequence[Figure] = field(default_factory=tuple)
     table: Table | None = None
+    columns: int = 4
 
 
 def write_page(path: Path, title: str, lead: str, sections: Sequence[Section]) -> None:

@@ -54,6 +54,7 @@ class InvarianceReport:
     variation : RMS change over k beyond noise, relative to the RMS of the mean slice
     noise : RMS noise of a harmonic in linear light, estimated from the quietest harmonics
     evidence : one entry for each R that was tried
+    energies : (M + 1,) mean square of each harmonic over k, in linear light
     """
 
     found: Invariance
@@ -61,6 +62,22 @@ class InvarianceReport:
     variation: float
     noise: float
     evidence: tuple[Evidence, ...]
+    energies: F64
+
+    def rotation_difference(self, turns_deg: NDArray[np.floating]) -> F64:
+        """RMS difference between the slices and the slices turned (the AMC paper's figure 4, as a curve).
+
+        Parameters
+        ----------
+        turns_deg : (T,) degrees over k
+
+        Returns
+        -------
+        differences : (T,) in linear light
+        """
+        orders = np.arange(1, len(self.energies))
+        differences: F64 = np.sqrt(4 * np.sin(np.radians(np.outer(turns_deg, orders)) / 2) ** 2 @ self.energies[1:])
+        return differences
 
     def of(self, repeats: int) -> Evidence | None:
         """Return the evidence on one R, if it was tried."""
@@ -88,7 +105,7 @@ def find_invariance(over_k: C64, over_plane: C64, threshold: float = THRESHOLD) 
     evidence = tuple(_weigh(energies, plane, repeats) for repeats in CANDIDATES)
     consistent = [entry.repeats for entry in evidence if min(entry.outside_plane, entry.outside_k) <= threshold]
     found: Invariance = "isotropic" if variation <= ISOTROPIC_VARIATION else max(consistent)
-    return InvarianceReport(found, threshold, variation, float(np.sqrt(noise)), evidence)
+    return InvarianceReport(found, threshold, variation, float(np.sqrt(noise)), evidence, energies)
 
 
 def _mean_energies(harmonics: C64) -> F64:

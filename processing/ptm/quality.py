@@ -19,10 +19,12 @@ class FitQuality:
     ----------
     psnr_db : over all frames
     per_light_db : (N,) frame by frame
+    residuals : (H, W) float32, RMS error of each pixel over frames and channels
     """
 
     psnr_db: float
     per_light_db: NDArray[np.float64]
+    residuals: NDArray[np.float32]
 
     def worst(self, count: int) -> list[int]:
         """Return the indices of the frames that fit worst, the worst first."""
@@ -38,11 +40,14 @@ def fit_quality(ptm: Ptm, stack: Stack, light_dirs: NDArray[np.floating], report
     light_dirs : (N, 3), as for the fit
     """
     errors = np.zeros(len(stack))
+    squares = np.zeros(stack.shape, np.float32)
     for index in range(len(stack)):
         shown = np.clip(relight(ptm, light_dirs[index]), 0, 1)
-        errors[index] = np.mean((shown - stack.frame(index, ptm.space)) ** 2, dtype=np.float64)
+        squared = np.mean((shown - stack.frame(index, ptm.space)) ** 2, axis=-1)
+        errors[index] = np.mean(squared, dtype=np.float64)
+        squares += squared
         report(Progress("comparing", index + 1, len(stack), stack.paths[index].name))
-    return FitQuality(float(_psnr_db(errors.mean())), _psnr_db(errors))
+    return FitQuality(float(_psnr_db(errors.mean())), _psnr_db(errors), np.sqrt(squares / len(stack)))
 
 
 def _psnr_db(squared_error: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -58,3 +58,13 @@ def test_the_threshold_decides_what_is_usable(threshold: float, found: int) -> N
     harmonics = np.zeros((24, 6, 3), np.complex64)
     harmonics[0], harmonics[1], harmonics[2] = 1, 0.05, 0.3
     assert find_invariance(harmonics, harmonics, threshold).found == found
+
+
+def test_the_rotation_curve_touches_noise_where_the_material_comes_back() -> None:
+    report = report_on(2, 0.01)
+    kept, turned = report.rotation_difference(np.array([180.0, 90.0]))
+    assert kept == pytest.approx(0.01 * np.sqrt(2), rel=0.1)
+    assert turned > 5 * kept
+    evidence = report.of(4)
+    assert evidence is not None
+    assert turned == pytest.approx(evidence.rotation_rms)

@@ -125,3 +125,9 @@ def test_every_frame_is_reported(relief: Stack) -> None:
 def test_lights_and_pictures_must_be_as_many(relief: Stack) -> None:
     with pytest.raises(InputError, match="24 pictures but 23 lights"):
         fit(relief, LIGHTS[:-1])
+
+
+def test_residuals_are_the_error_of_each_pixel(relief: Stack) -> None:
+    quality = fit_quality(fit(relief, LIGHTS), relief, LIGHTS)
+    assert quality.residuals.shape == relief.shape
+    assert -20 * np.log10(np.sqrt(np.mean(quality.residuals**2))) == pytest.approx(quality.psnr_db, abs=1e-3)
