@@ -6,6 +6,7 @@ settled, and the frame and its journal line are on the disk.
 
 import math
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -15,7 +16,7 @@ from acquisition.plans import Plan, Step
 from acquisition.quality import Inspector, Quality
 from litrig.base.capture_folder.writer import CaptureFolderWriter, make_thumbnail
 from litrig.base.directions import angle_between_deg, direction_from_angles
-from litrig.base.errors import FormatError, HoldError
+from litrig.base.errors import FormatError, HoldError, InputError
 from rig.devices import ArmPose, Shot, TurntablePose
 from rig.errors import CameraError, RigError
 from rig.rig import Rig
@@ -96,11 +97,13 @@ def run(plan: Plan, rig: Rig, writer: CaptureFolderWriter, pause_requested: Call
         rig.park()
     except KeyboardInterrupt:
         rig.hold()
-        writer.record("stop")
+        with suppress(InputError):
+            writer.record("stop")
         raise
-    except RigError as error:
-        writer.record("hold", reason=str(error))
+    except (RigError, InputError) as error:
         rig.hold()
+        with suppress(InputError):  # a full disk may be why
+            writer.record("hold", reason=str(error))
         raise HoldError(f"{error}. The rig is on hold; the frames so far are safe in {writer.folder}") from error
 
 

@@ -1,5 +1,6 @@
 """The front door: one command that mounts what each package offers."""
 
+import os
 import sys
 from pathlib import Path
 
@@ -67,6 +68,10 @@ def main() -> None:
     except click.ClickException as error:
         error.show()
         status = error.exit_code
+    except BrokenPipeError:
+        # Whoever read our output has had enough. What is still buffered must not fail again at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        status = 1
     except (KeyboardInterrupt, click.Abort):
         click.echo("litrig: interrupted", err=True)
         status = INTERRUPTED_STATUS

@@ -11,9 +11,9 @@ import simplejpeg
 from acquisition.plans import AmcPlan, Plan, PtmPlan
 from acquisition.runner import FrameTaken, Paused, RunEvent, check_plan, run
 from litrig.base.capture_folder import layout
-from litrig.base.capture_folder.journal import read_journal
+from litrig.base.capture_folder.journal import Journal, read_journal
 from litrig.base.capture_folder.writer import CaptureFolderWriter
-from litrig.base.errors import HoldError
+from litrig.base.errors import HoldError, InputError
 from rig.config import ArmConfig, RigConfig, TurntableConfig
 from rig.errors import LinkTimeoutError, OutOfRangeError, RigError
 from rig.fakes import FakeArm, FakeCamera, FakeClock, FakeLights, FakeTurntable
@@ -174,3 +174,14 @@ def test_a_rig_without_a_camera_says_so_before_it_moves(bench: Bench) -> None:
     rig = Rig(bench.rig.config, clock=bench.clock, turntable=bench.turntable)
     with pytest.raises(RigError, match="no camera"):
         check_plan(AmcPlan(4), rig)
+
+
+def test_a_full_disk_holds_the_rig(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(path: Path, content: bytes) -> None:
+        raise InputError(f"{path}: cannot be written (No space left on device); free space")
+
+    with monkeypatch.context() as patch, pytest.raises(HoldError, match="No space left"):
+        patch.setattr("litrig.base.capture_folder.writer.write_atomically", full)
+        with CaptureFolderWriter(bench.folder, Journal(bench.folder.with_suffix(".jsonl")), "x") as writer, bench.rig:
+            list(run(AmcPlan(4), bench.rig, writer, lambda: False))
+    assert bench.rig.state is RigState.HOLD

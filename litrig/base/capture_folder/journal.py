@@ -4,6 +4,7 @@ Every line carries its own CRC-32, so that a torn tail is recognised for what it
 what is not may have happened but does not count.
 """
 
+import errno
 import json
 import os
 import time
@@ -39,7 +40,8 @@ class Journal:
         self._wall_clock = wall_clock
         self._monotonic_ns = monotonic_ns
         created = not path.exists()
-        self._file = path.open("ab")
+        self._path = path
+        self._file = path.open("ab", buffering=0)
         if created:
             sync_folder(path.parent)
 
@@ -53,11 +55,24 @@ class Journal:
             "ev": event,
             **fields,
         }
-        self._file.write(encode_entry(entry))
-        self._file.flush()
-        os.fsync(self._file.fileno())
+        try:
+            # Unbuffered: what a full disk refuses must not go out later, behind a line that says otherwise.
+            self._write_whole(encode_entry(entry))
+            os.fsync(self._file.fileno())
+        except OSError as error:
+            raise InputError(f"{self._path}: cannot be written ({error.strerror}); free space on that disk") from error
         self._seq += 1
         return entry
+
+    def _write_whole(self, line: bytes) -> None:
+        start = os.fstat(self._file.fileno()).st_size
+        try:
+            written = self._file.write(line)
+            if written != len(line):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))  # noqa: TRY301  # as a full disk says it
+        except OSError:
+            os.ftruncate(self._file.fileno(), start)  # half a line would hide the lines behind it
+            raise
 
     def close(self) -> None:
         """Close the file; every entry is already durable."""

@@ -1,3 +1,5 @@
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -44,3 +46,29 @@ def test_damage_in_the_middle_is_not_taken_for_a_torn_tail(tmp_path: Path) -> No
     path.write_bytes(lines[0] + b"{}\n" + lines[2])
     with pytest.raises(FormatError, match="line 2: damaged in the middle"):
         read_journal(path)
+
+
+def test_a_full_disk_leaves_whole_lines_only(tmp_path: Path) -> None:
+    script = """
+import resource, sys
+import subprocess
+import sys
+from pathlib import Path
+from litrig.base.capture_folder.journal import Journal
+from litrig.base.errors import InputError
+import signal
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+journal = Journal(Path(sys.argv[1]))
+try:
+    for step in range(100):
+        journal.append("frame", step=step)
+except InputError as error:
+    print(step, error)
+"""
+    path = tmp_path / "journal.jsonl"
+    result = subprocess.run([sys.executable, "-c", script, str(path)], capture_output=True, text=True, check=True)
+    written, message = result.stdout.split(maxsplit=1)
+    assert "journal.jsonl: cannot be written" in message
+    assert [entry["step"] for entry in read_journal(path)] == list(range(int(written)))
+    assert path.read_bytes().endswith(b"\n")
