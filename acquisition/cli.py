@@ -41,7 +41,7 @@ def capture() -> None:
 @click.option(
     "--tangent-zero",
     "tangent_zero_deg",
-    type=float,
+    type=click.FloatRange(-360, 360),
     default=0.0,
     show_default=True,
     help="Direction of brushing or thread at turntable zero, in degrees from the picture's right, counter-clockwise.",

@@ -10,6 +10,7 @@ from litrig.base.capture_folder.capture import Role
 from litrig.base.errors import InputError
 
 GOLDEN_ANGLE_DEG = 180 * (3 - math.sqrt(5))
+FEWEST_SLICES = 8
 MOST_STEPS = 100_000
 
 
@@ -28,7 +29,7 @@ class Step:
 
     Attributes
     ----------
-    step : its number, which stays the same in every resumed session
+    step : its number in the plan
     role : what the frame is for
     angle_deg : where the turntable stands; None leaves it alone
     aim : where the light comes from; None leaves the lights alone
@@ -83,8 +84,8 @@ class AmcPlan:
 
     def __post_init__(self) -> None:
         """Refuse a plan that no table can be built from."""
-        if not 4 <= self.slices <= MOST_STEPS:
-            raise InputError(f"slices: {self.slices} is outside 4..{MOST_STEPS}; 64 to 512 are usual")
+        if not FEWEST_SLICES <= self.slices <= MOST_STEPS:
+            raise InputError(f"slices: {self.slices} is outside {FEWEST_SLICES}..{MOST_STEPS}; 64 to 512 are usual")
 
     def __len__(self) -> int:
         """One step a slice."""

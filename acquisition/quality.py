@@ -4,11 +4,9 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 
-import cv2
 import numpy as np
 
-from litrig.base.errors import FormatError
-from litrig.base.pictures import decode_jpeg
+from litrig.base.pictures import decode_codes
 from litrig.base.radiometry import U8, clipped_share, sharpness
 
 DARKEST_MEAN = 0.002
@@ -59,17 +57,8 @@ class Inspector:
         FormatError
             It is cut short or damaged.
         """
-        codes = _decode(content, ending, source)
+        codes = np.asarray(decode_codes(content, ending, source), np.uint8)
         digest = hashlib.sha256(content).digest()
         same, self._previous = digest == self._previous, digest
         grey = codes.mean(axis=-1, dtype=np.float32) / 255
         return codes, Quality(float(grey.mean()), clipped_share(codes), sharpness(grey), same)
-
-
-def _decode(content: bytes, ending: str, source: str) -> U8:
-    if ending == ".jpg":
-        return decode_jpeg(content, source)
-    codes = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
-    if codes is None:
-        raise FormatError(f"{source}: damaged picture; shoot it again")
-    return np.asarray(cv2.cvtColor(codes, cv2.COLOR_BGR2RGB), np.uint8)

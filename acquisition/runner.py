@@ -72,7 +72,7 @@ def check_plan(plan: Plan, rig: Rig) -> None:
         if step.angle_deg is not None:
             rig.turntable.check(step.angle_deg)
         if step.aim is not None:
-            _ = rig.lights
+            rig.lights.check(step.aim.lamp)
             rig.arm.check(step.aim.azimuth_deg, step.aim.elevation_deg)
 
 
@@ -155,8 +155,9 @@ def _judge_poses(step: Step, rig: Rig, poses: tuple[Poses, Poses]) -> tuple[floa
             wanted = direction_from_angles(step.aim.azimuth_deg, step.aim.elevation_deg)
             found = direction_from_angles(pose.arm.azimuth_deg, pose.arm.elevation_deg)
             lit_deg = max(lit_deg, angle_between_deg(wanted, found))
-    for part, off_deg in ((rig.config.turntable, turned_deg), (rig.config.arm, lit_deg)):
-        if part is not None and off_deg > part.tolerance_deg * math.sqrt(2):  # two joints may be off at once
+    # Both joints of the arm may be off at once.
+    for part, off_deg, joints in ((rig.config.turntable, turned_deg, 1), (rig.config.arm, lit_deg, 2)):
+        if part is not None and off_deg > part.tolerance_deg * math.sqrt(joints):
             return off_deg, f"was taken {off_deg:.2f}° off its pose; look what moves the rig"
     return max(turned_deg, lit_deg), ""
 

@@ -63,7 +63,7 @@ def capture(
     check_free(folder)
     check_object_id(info.object_id)
     started = datetime.now(UTC).isoformat(timespec="seconds")
-    with Interrupts() as interrupts, open_rig(config, use=_needed(plan), environment=environment) as rig:
+    with Interrupts(can_pause=True) as interrupts, open_rig(config, use=_needed(plan), environment=environment) as rig:
         check_plan(plan, rig)
         session = _resolved(config, plan, info, started)
         with CaptureFolderWriter.create(folder, info.object_id, session, (step.as_json() for step in plan)) as writer:

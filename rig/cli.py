@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from litrig.base.errors import InputError
+
 if TYPE_CHECKING:
     from rig.rig import Rig
 
@@ -19,7 +21,7 @@ RIG = click.argument("rig_toml", metavar="RIG.toml", type=click.Path(path_type=P
 def rig() -> None:
     """Move the rig's devices by hand, one at a time.
 
-    RIG.toml says what is plugged in where; examples/rig.toml is one to start from.
+    RIG.toml says what is plugged in where; examples/rig.toml is one to start from. Ctrl-C stops the motion at once.
     """
 
 
@@ -30,7 +32,7 @@ def _opened(rig_toml: Path, *parts: str) -> Iterator["Rig"]:
     from rig.interrupts import Interrupts
     from rig.rig import open_rig
 
-    with Interrupts(), open_rig(read_rig(rig_toml), use=frozenset(parts)) as opened:
+    with Interrupts(can_pause=False), open_rig(read_rig(rig_toml), use=frozenset(parts)) as opened:
         yield opened
 
 
@@ -59,6 +61,7 @@ def park(rig_toml: Path) -> None:
 def move(rig_toml: Path, angle_deg: float) -> None:
     """Turn the sample to an angle, and print where it stands."""
     with _opened(rig_toml, "turntable") as opened:
+        opened.turntable.check(angle_deg)
         opened.turntable.home()
         pose = opened.turn_to(angle_deg)
     click.echo(f"turntable at {pose.angle_deg:.2f}°")
@@ -74,6 +77,8 @@ def move(rig_toml: Path, angle_deg: float) -> None:
 def light(rig_toml: Path, azimuth_deg: float, elevation_deg: float, lamp: int) -> None:
     """Home the light arm, bring its lamp to a direction, and light it."""
     with _opened(rig_toml, "arm", "lights") as opened:
+        opened.arm.check(azimuth_deg, elevation_deg)
+        opened.lights.check(lamp)
         opened.arm.home()
         pose = opened.light_from(azimuth_deg, elevation_deg)
         opened.lights.switch_on(lamp)
@@ -89,12 +94,15 @@ def snap(rig_toml: Path, output: Path) -> None:
     The camera's own JPEG is kept as it is when the ending is .jpg; other endings are converted.
     """
     from litrig.base.files import write_atomically
-    from litrig.base.pictures import decode_jpeg, write_codes
+    from litrig.base.pictures import DISPLAY_ENDINGS, JPEG_ENDINGS, decode_codes, write_codes
 
+    ending = output.suffix.lower()
+    if ending not in DISPLAY_ENDINGS:
+        raise InputError(f"{output}: cannot be written as {ending or 'a file without ending'}; use .jpg, .png or .tif")
     with _opened(rig_toml, "camera") as opened:
         shot = opened.expose(opened.clock.now_s())
-    if shot.ending == output.suffix.lower():
+    if shot.ending == ending or (shot.ending in JPEG_ENDINGS and ending in JPEG_ENDINGS):
         write_atomically(output, shot.content)
     else:
-        write_codes(output, decode_jpeg(shot.content, "camera"))
+        write_codes(output, decode_codes(shot.content, shot.ending, "camera"))
     click.echo(f"wrote {output}")

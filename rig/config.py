@@ -9,6 +9,8 @@ from pydantic import Field, model_validator
 from litrig.base.config import StrictModel, read_toml
 
 Positive = Annotated[float, Field(gt=0)]
+Port = Annotated[str, Field(pattern=r"^[^\x00]+$")]
+Turns = Annotated[float, Field(ge=-90_000, le=90_000)]
 Matrix = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 
 
@@ -24,7 +26,7 @@ class TurntableConfig(StrictModel):
 
     kind: Literal["dynamixel"] = "dynamixel"
     """The driver."""
-    port: str
+    port: Port
     """Device path of the serial adapter; a path below /dev/serial/by-id keeps its name when replugged."""
     baud: int = Field(default=57600, gt=0)
     """Baud rate that the servo is set to (57600 as delivered)."""
@@ -32,19 +34,19 @@ class TurntableConfig(StrictModel):
     """The servo's id on the bus (1 as delivered)."""
     model: str = "XL430-W250"
     """Model name; the servo's own model number is checked against it."""
-    zero_deg: float = 0.0
+    zero_deg: Turns = 0.0
     """Servo angle at which the turntable stands at zero."""
     direction: Literal[1, -1] = 1
     """1 if the servo's positive sense turns the sample counter-clockwise as the camera sees it, else −1."""
-    gear_ratio: Positive = 1.0
+    gear_ratio: float = Field(default=1.0, ge=0.01, le=100)
     """Turns of the servo for one turn of the table."""
-    min_deg: float = -360.0
+    min_deg: Turns = -360.0
     """Lowest angle that the cables allow."""
-    max_deg: float = 720.0
+    max_deg: Turns = 720.0
     """Highest angle that the cables allow."""
-    speed_deg_s: Positive = 90.0
+    speed_deg_s: float = Field(default=90.0, ge=2, le=1000)
     """Speed of the table."""
-    acceleration_deg_s2: Positive = 600.0
+    acceleration_deg_s2: float = Field(default=600.0, ge=20, le=20_000)
     """Acceleration of the table."""
     tolerance_deg: Positive = 0.3
     """How far the angle read back may be from its goal."""
@@ -65,7 +67,7 @@ class ArmConfig(StrictModel):
 
     kind: Literal["grbl"] = "grbl"
     """The driver."""
-    port: str
+    port: Port
     """Device path of the controller."""
     baud: int = Field(default=115200, gt=0)
     """GRBL runs at 115200."""
@@ -85,7 +87,7 @@ class ArmConfig(StrictModel):
     """Lowest elevation, where the lamp would touch the table."""
     max_elevation_deg: float = 88.0
     """Highest elevation, where the arm would stand before the camera."""
-    speed_deg_s: Positive = 110.0
+    speed_deg_s: float = Field(default=110.0, ge=0.1, le=1000)
     """Speed along the path in joint space."""
     tolerance_deg: Positive = 0.2
     """How far a joint read back may be from its goal."""
@@ -137,24 +139,24 @@ class CameraConfig(StrictModel):
 
     kind: Literal["v4l2"] = "v4l2"
     """The driver."""
-    device: str
+    device: Port
     """Device path; a path below /dev/v4l/by-id keeps its name when replugged."""
     width: int = Field(default=640, gt=0)
     """Picture width in pixels."""
     height: int = Field(default=480, gt=0)
     """Picture height in pixels."""
-    fps: float = Field(default=30.0, gt=0)
-    """Frames a second."""
+    fps: float | None = Field(default=None, gt=0)
+    """Frames a second; left as the camera has it if left out."""
     pixel_format: Literal["MJPG", "YUYV"] = "MJPG"
     """MJPG keeps the camera's own JPEG, bit for bit; YUYV is kept as PNG."""
     exposure_ms: Positive = 10.0
     """Exposure time; automatic exposure is switched off."""
-    gain: int = Field(default=0, ge=0)
-    """Sensor gain in the camera's own unit."""
+    gain: int | None = Field(default=None, ge=0)
+    """Sensor gain in the camera's own unit; left as the camera has it if left out."""
     white_balance_k: int | None = None
-    """Colour temperature; automatic white balance is switched off in any case."""
+    """Colour temperature; left as the camera has it if left out. Automatic white balance is switched off in any case."""
     focus: int | None = None
-    """Focus in the camera's own unit; autofocus is switched off in any case."""
+    """Focus in the camera's own unit; left as it is if left out. Autofocus is switched off in any case."""
     timeout_s: Positive = 10.0
     """How long a picture may take, beyond its exposure, before the camera counts as hanging."""
 

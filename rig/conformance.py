@@ -104,7 +104,8 @@ def switches_on_and_off_at_any_time_and_twice(lights: Lights) -> None:
     lights.switch_on()
     lights.switch_off()
     lights.switch_off()
-    assert_raises(OutOfRangeError, lights.switch_on, 1000)
+    for action in (lights.check, lights.switch_on):
+        assert_raises(OutOfRangeError, action, 1000)
 
 
 def exposes_after_the_instant_asked_for(camera: Camera, clock: Clock) -> None:

@@ -94,6 +94,9 @@ class LightArm(Protocol):
 class Lights(Protocol):
     """Lamps by number."""
 
+    def check(self, lamp: int) -> None:
+        """Raise `OutOfRangeError` if there is no such lamp; asks no device."""
+
     def switch_on(self, lamp: int = 0) -> None:
         """Light one lamp, and wait until it is warm."""
 

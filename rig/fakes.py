@@ -117,10 +117,14 @@ class FakeLights:
 
     lamp: int | None = None
 
-    def switch_on(self, lamp: int = 0) -> None:
-        """Remember the lamp."""
+    def check(self, lamp: int) -> None:
+        """Refuse any lamp but the first."""
         if lamp != 0:
             raise OutOfRangeError(f"lights: lamp {lamp} does not exist; this rig has lamp 0 only")
+
+    def switch_on(self, lamp: int = 0) -> None:
+        """Remember the lamp."""
+        self.check(lamp)
         self.lamp = lamp
 
     def switch_off(self) -> None:

@@ -1,6 +1,8 @@
 """Ctrl-C and SIGTERM, as an operator means them.
 
-The first Ctrl-C asks for a pause after the step under way. The second, or SIGTERM or a hang-up, stops at once.
+In a session the first Ctrl-C asks for a pause after the step under way; the second, or SIGTERM or a hang-up, stops at
+once. A single move has nothing to pause: its first Ctrl-C stops. While the rig is being stopped, impatience changes
+nothing: further signals are not heard, so that none of them cuts the stop short.
 """
 
 import signal
@@ -15,8 +17,10 @@ class StopNow(KeyboardInterrupt):
 class Interrupts:
     """A context manager that takes the signals over and gives them back."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, can_pause: bool) -> None:
         self.pause_requested = False
+        self._can_pause = can_pause
+        self._stopping = False
         self._before: dict[int, object] = {}
 
     def __enter__(self) -> Self:
@@ -36,9 +40,12 @@ class Interrupts:
             signal.signal(number, handler)  # type: ignore[arg-type]  # what signal.signal returned above
 
     def _on_interrupt(self, number: int, frame: FrameType | None) -> None:
-        if self.pause_requested:
-            raise StopNow
-        self.pause_requested = True
+        if self._can_pause and not self.pause_requested:
+            self.pause_requested = True
+        else:
+            self._on_stop(number, frame)
 
     def _on_stop(self, number: int, frame: FrameType | None) -> None:
-        raise StopNow
+        if not self._stopping:
+            self._stopping = True
+            raise StopNow

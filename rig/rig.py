@@ -89,6 +89,8 @@ class Rig:
 
     def home(self) -> None:
         """Home whatever moves, lamps dark."""
+        if self._arm is None and self._turntable is None:
+            raise RigError("this rig has nothing that moves: RIG.toml has neither [turntable] nor [arm]")
         with self._doing(RigState.MOVING):
             if self._arm is not None:
                 self._moving = self._arm
@@ -122,7 +124,7 @@ class Rig:
             self._lights.switch_off()
         self.state = RigState.PAUSED
 
-    def hold(self) -> list[RigError]:
+    def hold(self) -> list[Exception]:
         """Stop all motion, darken the lamps, keep torque. Tries every part, and returns what did not obey."""
         parts = sorted(
             (part for part in (self._turntable, self._arm) if part), key=lambda part: part is not self._moving
@@ -223,9 +225,9 @@ def _present(part: Part | None, name: str) -> Part:
     return part
 
 
-def _attempt(action: Callable[[], None]) -> RigError | None:
+def _attempt(action: Callable[[], None]) -> Exception | None:
     try:
         action()
-    except RigError as failure:
+    except Exception as failure:  # whatever befell one part, the others must be stopped too
         return failure
     return None

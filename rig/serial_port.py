@@ -24,18 +24,30 @@ def open_serial(path: str, baud: int) -> serial.Serial:
         raise port_error(path, error) from error
 
 
-def lock_exclusively(path: str, descriptor: int) -> None:
-    """Take the same lock on an open port that `open_serial` takes.
+class PortLock:
+    """The lock that `open_serial` takes, for a library that opens the port by itself and takes none."""
 
-    Raises
-    ------
-    PortError
-        Another program holds it.
-    """
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
-        raise port_error(path, error) from error
+    def __init__(self, path: str) -> None:
+        """Take it.
+
+        Raises
+        ------
+        PortError
+            The port is missing or forbidden, or another program holds it.
+        """
+        try:
+            self._descriptor = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+        except OSError as error:
+            raise port_error(path, error) from error
+        try:
+            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            os.close(self._descriptor)
+            raise port_error(path, error) from error
+
+    def release(self) -> None:
+        """Give it back."""
+        os.close(self._descriptor)
 
 
 def port_error(path: str, error: Exception) -> PortError:
@@ -48,7 +60,9 @@ def port_error(path: str, error: Exception) -> PortError:
     if code in (errno.EACCES, errno.EPERM) or not os.access(path, os.R_OK | os.W_OK):
         return PortError(f"{path}: permission denied; add yourself to its group: sudo usermod -aG dialout $USER")
     if code in (errno.EAGAIN, errno.EBUSY) or "exclusively lock" in str(error):
-        return PortError(f"{path}: held by another program ({holders(path)}); end it and try again")
+        return PortError(
+            f"{path}: held by another program ({holders(path) or 'of another user'}); end it and try again"
+        )
     return PortError(f"{path}: cannot be opened ({error}); check that it is a serial port")
 
 
@@ -68,4 +82,4 @@ def holders(path: str) -> str:
             names.append(f"process {pid}, {Path('/proc', pid, 'comm').read_text().strip()}")
         except OSError:
             continue
-    return "; ".join(names) or "unknown"
+    return "; ".join(names)

@@ -64,16 +64,26 @@ def read_encoded(path: Path) -> F32:
 
 def read_codes(path: Path) -> NDArray[np.uint8] | NDArray[np.uint16]:
     """Read the stored integers of a JPEG, PNG or TIFF, (H, W, 3) uint8 or uint16, RGB."""
-    content = _read_bytes(path)
-    if path.suffix.lower() in JPEG_ENDINGS:
-        return decode_jpeg(content, str(path))
-    if path.suffix.lower() not in DISPLAY_ENDINGS:
-        raise InputError(f"{path}: unknown picture format; use JPEG, PNG, TIFF, EXR or a camera RAW file")
-    if path.suffix.lower() == ".png" and _PNG_END not in content[-32:]:
-        raise FormatError(f"{path}: PNG cut short after {len(content)} bytes; copy or shoot it again")
+    return decode_codes(_read_bytes(path), path.suffix.lower(), str(path))
+
+
+def decode_codes(content: bytes, ending: str, source: str) -> NDArray[np.uint8] | NDArray[np.uint16]:
+    """Decode a JPEG, PNG or TIFF as `read_codes` does; `source` names it in errors.
+
+    Raises
+    ------
+    InputError, FormatError
+        The ending is of no such format, or the data are cut short or damaged.
+    """
+    if ending in JPEG_ENDINGS:
+        return decode_jpeg(content, source)
+    if ending not in DISPLAY_ENDINGS:
+        raise InputError(f"{source}: unknown picture format; use JPEG, PNG, TIFF, EXR or a camera RAW file")
+    if ending == ".png" and _PNG_END not in content[-32:]:
+        raise FormatError(f"{source}: PNG cut short after {len(content)} bytes; copy or shoot it again")
     codes = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH)
     if codes is None or codes.dtype not in (np.uint8, np.uint16):
-        raise FormatError(f"{path}: damaged, or not a picture of 8 or 16 bits; copy or shoot it again")
+        raise FormatError(f"{source}: damaged, or not a picture of 8 or 16 bits; copy or shoot it again")
     return cv2.cvtColor(codes, cv2.COLOR_BGR2RGB)  # type: ignore[return-value]  # dtype checked above
 
 

@@ -12,6 +12,7 @@ from rig.clock import Clock
 from rig.config import CameraConfig
 from rig.devices import Shot
 from rig.errors import CameraError
+from rig.serial_port import holders
 
 ENDINGS = {"MJPG": ".jpg", "YUYV": ".png"}
 START_S = 20.0
@@ -43,7 +44,11 @@ class V4l2Camera:
         CameraError
             There is none, it is taken, or it does not do what RIG.toml asks.
         """
-        answer, _ = self._ask({"do": "open", "config": self._config.model_dump()}, START_S)
+        try:
+            answer, _ = self._ask({"do": "open", "config": self._config.model_dump()}, START_S)
+        except CameraError as error:
+            users = holders(self._config.device)
+            raise CameraError(f"{error}; held by {users}" if users else str(error)) from error
         settings: Mapping[str, float | str] = answer["settings"]
         return settings
 

@@ -19,6 +19,18 @@ _MANUAL_EXPOSURE = 1
 _EXPOSURE_UNIT_MS = 0.1
 _MOST_STALE_FRAMES = 200
 
+_ALLOWED_OFF = {
+    "pixel_format": 0.0,
+    "width": 0.0,
+    "height": 0.0,
+    "fps": 0.05,
+    "exposure_ms": 0.05,
+    "gain": 0.0,
+    "white_balance_k": 0.02,
+    "focus": 0.02,
+}
+"""Settings that are read back, and the share by which they may be off: drivers round to their steps."""
+
 Answer = dict[str, Any]
 
 
@@ -35,7 +47,9 @@ class OpenedCamera:
         fourcc = cv2.VideoWriter.fourcc(*config["pixel_format"])
         self._capture = cv2.VideoCapture(config["device"], cv2.CAP_V4L2, [cv2.CAP_PROP_FOURCC, fourcc])
         if not self._capture.isOpened():
-            raise WorkerError("cannot be opened as a camera; check the cable and who else uses it (fuser -v)")
+            raise WorkerError(
+                "cannot be opened as a camera; check the cable, the device in RIG.toml, and that no other program uses it"
+            )
         # The format as it comes: the camera's own JPEG is kept bit for bit.
         self._set(cv2.CAP_PROP_CONVERT_RGB, 0 if self._keeps_jpeg else 1)
 
@@ -44,7 +58,8 @@ class OpenedCamera:
         config = self._config
         self._set(cv2.CAP_PROP_FRAME_WIDTH, config["width"])
         self._set(cv2.CAP_PROP_FRAME_HEIGHT, config["height"])
-        self._set(cv2.CAP_PROP_FPS, config["fps"])
+        if config["fps"] is not None:
+            self._set(cv2.CAP_PROP_FPS, config["fps"])
         self._set(cv2.CAP_PROP_AUTO_EXPOSURE, _MANUAL_EXPOSURE)
         self._set(cv2.CAP_PROP_EXPOSURE, round(config["exposure_ms"] / _EXPOSURE_UNIT_MS))
         self._set(cv2.CAP_PROP_AUTO_WB, 0)
@@ -53,16 +68,14 @@ class OpenedCamera:
         self._set(cv2.CAP_PROP_AUTOFOCUS, 0)
         if config["focus"] is not None:
             self._set(cv2.CAP_PROP_FOCUS, config["focus"])
-        self._set(cv2.CAP_PROP_GAIN, config["gain"])
+        if config["gain"] is not None:
+            self._set(cv2.CAP_PROP_GAIN, config["gain"])
         self._set(cv2.CAP_PROP_BUFFERSIZE, 1)
         settings = self._settings()
-        for key in ("width", "height"):
-            if settings[key] != config[key]:
-                wanted = f"{config['width']} × {config['height']}"
-                raise WorkerError(f"offers {settings['width']} × {settings['height']}, not {wanted}; mend RIG.toml")
-        wanted_ms, found_ms = config["exposure_ms"], settings["exposure_ms"]
-        if abs(found_ms - wanted_ms) > max(0.05 * wanted_ms, _EXPOSURE_UNIT_MS):
-            raise WorkerError(f"exposes for {found_ms:g} ms, not {wanted_ms:g} ms; choose an exposure that it knows")
+        for key, allowed in _ALLOWED_OFF.items():
+            wanted, found = config[key], settings[key]
+            if wanted is not None and not _agree(wanted, found, allowed):
+                raise WorkerError(f"has {key} = {found}, not {wanted} as RIG.toml asks; choose a value that it knows")
         return settings
 
     def capture(self, not_before_s: float) -> tuple[Answer, bytes]:
@@ -96,15 +109,24 @@ class OpenedCamera:
     def _settings(self) -> Answer:
         get = self._capture.get
         return {
+            "pixel_format": int(get(cv2.CAP_PROP_FOURCC)).to_bytes(4, "little").decode("ascii", errors="replace"),
             "width": int(get(cv2.CAP_PROP_FRAME_WIDTH)),
             "height": int(get(cv2.CAP_PROP_FRAME_HEIGHT)),
             "exposure_ms": round(get(cv2.CAP_PROP_EXPOSURE) * _EXPOSURE_UNIT_MS, 3),
+            "fps": round(get(cv2.CAP_PROP_FPS), 3),
+            "focus": int(get(cv2.CAP_PROP_FOCUS)),
             "gain": int(get(cv2.CAP_PROP_GAIN)),
             "white_balance_k": int(get(cv2.CAP_PROP_WB_TEMPERATURE)),
         }
 
     def _set(self, control: int, value: float) -> None:
         self._capture.set(control, value)  # what a camera does not know it refuses; the read-back tells
+
+
+def _agree(wanted: float | str, found: float | str, share: float) -> bool:
+    if isinstance(wanted, str) or isinstance(found, str):
+        return wanted == found
+    return abs(found - wanted) <= max(share * abs(wanted), _EXPOSURE_UNIT_MS if share else 0.0)
 
 
 def main() -> None:

@@ -15,7 +15,7 @@ from serial import SerialException
 from rig.clock import Clock
 from rig.dynamixel.registers import Register
 from rig.errors import DeviceError, GarbledReplyError, LinkTimeoutError, PortError
-from rig.serial_port import lock_exclusively, port_error
+from rig.serial_port import PortLock, port_error
 
 PROTOCOL = 2.0
 TRIES = 3
@@ -50,17 +50,15 @@ class DynamixelLink:
         self.name = f"servo {servo_id} on {path}"
         self._path, self._id, self._clock = path, servo_id, clock
         self._port, self._packets = PortHandler(path), PacketHandler(PROTOCOL)
+        self._lock = PortLock(path)  # before the baud rate of a wire that somebody else may be using is touched
         try:
             opened = self._port.openPort() and self._port.setBaudRate(baud)
         except (SerialException, OSError, termios.error) as error:
+            self._lock.release()
             raise port_error(path, error) from error
         if not opened:
+            self._lock.release()
             raise PortError(f"{path}: has no baud rate of {baud}; set the servo's own (57600 as delivered) in RIG.toml")
-        try:
-            lock_exclusively(path, self._port.ser.fileno())
-        except PortError:
-            self._port.closePort()
-            raise
 
     def ping(self) -> int:
         """Return the servo's model number."""
@@ -95,8 +93,7 @@ class DynamixelLink:
         """Throw away what is under way on the wire, until it has been silent for long enough."""
         start_s = last_s = self._clock.now_s()
         while self._clock.now_s() - last_s < SILENCE_S and self._clock.now_s() - start_s < LONGEST_DRAIN_S:
-            if self._port.ser.in_waiting:
-                self._port.ser.reset_input_buffer()
+            if self._throw_away():
                 last_s = self._clock.now_s()
             self._clock.sleep(0.002)
         self._port.is_using = False  # an exchange broken off by a signal leaves it set
@@ -106,7 +103,21 @@ class DynamixelLink:
         try:
             self._port.closePort()
         except (SerialException, OSError, termios.error) as error:
-            raise LinkTimeoutError(f"{self.name}: the port went away ({error})") from error
+            raise self._gone(error) from error
+        finally:
+            self._lock.release()
+
+    def _throw_away(self) -> bool:
+        try:
+            waiting = bool(self._port.ser.in_waiting)
+            if waiting:
+                self._port.ser.reset_input_buffer()
+        except (SerialException, OSError, termios.error) as error:
+            raise self._gone(error) from error
+        return waiting
+
+    def _gone(self, error: Exception) -> LinkTimeoutError:
+        return LinkTimeoutError(f"{self.name}: the port went away ({error}); check the USB cable")
 
     def _persistently(self, what: str, exchange: Callable[[], tuple[int, int, int]]) -> int:
         result = COMM_RX_TIMEOUT
@@ -117,8 +128,8 @@ class DynamixelLink:
                     self._raise_refusal(what, error & ~_ALERT)
                     return answer
                 self.drain()
-            except (SerialException, OSError, termios.error) as gone:
-                raise LinkTimeoutError(f"{self.name}: the port went away ({gone}); check the USB cable") from gone
+            except (SerialException, OSError, termios.error) as error:
+                raise self._gone(error) from error
         if result in (COMM_RX_TIMEOUT, COMM_TX_FAIL):
             raise LinkTimeoutError(
                 f"{self.name}: no answer to {what} after {TRIES} tries; check power, cable, id and baud rate"

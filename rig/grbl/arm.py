@@ -33,6 +33,7 @@ class GrblArm:
         PositionLostError
             A switch was not found.
         """
+        self._homed = False
         if self._controller.status().state not in ("Idle", "Alarm"):
             self._controller.halt()
         self._controller.command(b"$H\n", self._config.homing_timeout_s)
@@ -81,8 +82,11 @@ class GrblArm:
 
     def _joints(self, azimuth_deg: float, elevation_deg: float) -> Axes:
         config = self._config
-        if not (math.isfinite(azimuth_deg) and math.isfinite(elevation_deg)):
-            raise OutOfRangeError(f"light arm: azimuth {azimuth_deg:g}°, elevation {elevation_deg:g}° is no direction")
+        if not (math.isfinite(azimuth_deg) and -90 <= elevation_deg <= 90):
+            raise OutOfRangeError(
+                f"light arm: azimuth {azimuth_deg:g}°, elevation {elevation_deg:g}° is no direction; nothing moved. "
+                "Give an elevation between -90° and 90°"
+            )
         in_arm = self._view_from_arm.T @ direction_from_angles(azimuth_deg, elevation_deg)
         around_deg, up_deg = angles_from_direction(in_arm)
         if up_deg > ZENITH_DEG:

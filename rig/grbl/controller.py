@@ -1,12 +1,13 @@
 """A conversation with a GRBL 1.1 controller: one line in flight, each answered before the next is sent."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TypeVar
 
 import serial
 
 from rig.clock import Clock
-from rig.errors import DeviceError, GarbledReplyError, LinkError, LinkTimeoutError, PositionLostError
+from rig.errors import DeviceError, GarbledReplyError, LinkError, LinkTimeoutError, PositionLostError, RigError
 from rig.grbl import codec
 from rig.grbl.codec import Alarm, Axes, Ok, Refusal, Reply, Status, Text
 from rig.serial_port import open_serial
@@ -14,6 +15,8 @@ from rig.serial_port import open_serial
 BOOT_S = 3.0
 ANSWER_S = 1.0
 STOP_S = 2.0
+PATIENCE_S = 0.2
+RESETS = 3
 BRAKING_STATES = ("Run", "Jog", "Hold:1")
 POLL_S = 0.002
 LONGEST_LINE = 4096
@@ -68,13 +71,13 @@ class GrblController:
                 case _:
                     continue
 
-    def status(self) -> Status:
+    def status(self, timeout_s: float = ANSWER_S) -> Status:
         """Ask for a report; works at any time, moving or not. The machine position is always filled in."""
         for _ in range(3):
             self._drain()
             self._write(codec.STATUS_REPORT)
             try:
-                report = self._await(lambda reply: reply if isinstance(reply, Status) else None, ANSWER_S, "?")
+                report = self._await(lambda reply: reply if isinstance(reply, Status) else None, timeout_s, "?")
             except GarbledReplyError:
                 continue
             self._work_offset = report.work_offset or self._work_offset
@@ -93,19 +96,20 @@ class GrblController:
         """Brake now, keeping the position; then clear what was planned. Safe at any time, and twice.
 
         A feed hold brakes within the acceleration. A soft reset after it empties the planner and darkens the lamp, and
-        the position stays known, since nothing moves any more. Homing heeds no hold: the reset ends it, and the
-        position is unknown.
+        the position stays known, since nothing moves any more. Homing hears neither hold nor question: the
+        reset ends it, and the position is unknown.
         """
         self._write(codec.FEED_HOLD)
         deadline_s = self._clock.now_s() + STOP_S
-        while self.status().state in BRAKING_STATES and self._clock.now_s() < deadline_s:
-            self._clock.sleep(0.02)
+        with suppress(RigError):  # whatever it says or fails to say, the reset follows
+            while self.status(PATIENCE_S).state in BRAKING_STATES and self._clock.now_s() < deadline_s:
+                self._clock.sleep(0.02)
         self.reset()
 
     def reset(self) -> None:
-        """Reset softly, and wait for the banner. After a limit alarm a first reset may only be acknowledged."""
-        for _ in range(2):
-            self._drain()
+        """Reset softly, and wait for the banner. After an alarm it is deaf for a while."""
+        for _ in range(RESETS):
+            self._forget()
             self._write(codec.SOFT_RESET)
             try:
                 self._await(lambda reply: reply if _is_banner(reply) else None, ANSWER_S, "reset")
@@ -157,6 +161,18 @@ class GrblController:
         return codec.parse_line(line)
 
     def _drain(self) -> None:
+        """Take in what came unasked, and raise what it says of an alarm."""
+        while arrived := self._read():
+            self._pending += arrived[-LONGEST_LINE:]
+        *lines, _ = self._pending.split(b"\n")
+        self._pending = b""
+        for line in lines:
+            with suppress(GarbledReplyError):
+                reply = codec.parse_line(line)
+                if isinstance(reply, Alarm):
+                    raise self._alarm_error("unasked", reply)
+
+    def _forget(self) -> None:
         while self._read():
             pass
         self._pending = b""

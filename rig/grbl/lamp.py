@@ -15,10 +15,14 @@ class SpindleLamp:
     def __init__(self, controller: GrblController, config: SpindleLampConfig, clock: Clock) -> None:
         self._controller, self._config, self._clock = controller, config, clock
 
-    def switch_on(self, lamp: int = 0) -> None:
-        """Light the lamp and wait until it is warm."""
+    def check(self, lamp: int) -> None:
+        """Refuse any lamp but the first."""
         if lamp != 0:
             raise OutOfRangeError(f"lights: lamp {lamp} does not exist; this rig has lamp 0 only")
+
+    def switch_on(self, lamp: int = 0) -> None:
+        """Light the lamp and wait until it is warm."""
+        self.check(lamp)
         self._controller.command(codec.spindle_line(self._config.power), ANSWER_S)
         self._controller.finish_motion(ANSWER_S)
         self._clock.sleep(self._config.warm_up_s)

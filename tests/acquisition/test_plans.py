@@ -8,7 +8,7 @@ from acquisition.tour import short_tour
 from litrig.base.directions import direction_from_angles
 from litrig.base.errors import InputError
 
-plans = st.builds(AmcPlan, slices=st.integers(4, 600)) | st.builds(PtmPlan, lights=st.integers(6, 60))
+plans = st.builds(AmcPlan, slices=st.integers(8, 600)) | st.builds(PtmPlan, lights=st.integers(6, 60))
 
 
 @given(plans)
@@ -18,7 +18,7 @@ def test_a_plan_is_as_long_as_it_says_and_the_same_each_time(plan: Plan) -> None
     assert [step.step for step in plan] == list(range(len(plan)))
 
 
-@given(st.integers(4, 600))
+@given(st.integers(8, 600))
 def test_slices_divide_one_turn_without_adding_up_errors(slices: int) -> None:
     angles = [step.angle_deg for step in AmcPlan(slices)]
     assert angles == [360 * s / slices for s in range(slices)]
@@ -34,14 +34,14 @@ def test_lights_are_spread_evenly() -> None:
 
 
 def test_file_names_tell_the_pose() -> None:
-    assert [step.stem for step in AmcPlan(4)][1] == "000001_tt090.00"
+    assert [step.stem for step in AmcPlan(8)][1] == "000001_tt045.00"
     assert next(iter(PtmPlan(6))).stem.startswith("000000_az000.00_el")
 
 
 @pytest.mark.parametrize(
     "make",
     [
-        pytest.param(lambda: AmcPlan(3), id="too few slices"),
+        pytest.param(lambda: AmcPlan(7), id="too few slices"),
         pytest.param(lambda: PtmPlan(5), id="too few lights for six coefficients"),
         pytest.param(lambda: PtmPlan(50, 40, 30), id="elevations swapped"),
         pytest.param(lambda: PtmPlan(50, float("nan"), 30), id="not a number"),

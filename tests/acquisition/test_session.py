@@ -103,8 +103,8 @@ def test_a_bad_frame_is_shot_again_and_never_acknowledged(
 ) -> None:
     shots = itertools.count()
     bench.paint = lambda: spoil(picture()) if next(shots) == 2 else picture()
-    bench.shoot(AmcPlan(4))
-    assert [frame["try"] for frame in bench.journal("frame")] == [1, 1, 2, 1]
+    bench.shoot(AmcPlan(8))
+    assert [frame["try"] for frame in bench.journal("frame")] == [1, 1, 2, 1, 1, 1, 1, 1]
     assert reason in str(bench.journal("retry")[0]["reason"])
 
 
@@ -173,7 +173,7 @@ def test_a_stop_in_the_middle_holds_and_keeps_what_was_shot(bench: Bench) -> Non
 def test_a_rig_without_a_camera_says_so_before_it_moves(bench: Bench) -> None:
     rig = Rig(bench.rig.config, clock=bench.clock, turntable=bench.turntable)
     with pytest.raises(RigError, match="no camera"):
-        check_plan(AmcPlan(4), rig)
+        check_plan(AmcPlan(8), rig)
 
 
 def test_a_full_disk_holds_the_rig(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -183,5 +183,5 @@ def test_a_full_disk_holds_the_rig(bench: Bench, monkeypatch: pytest.MonkeyPatch
     with monkeypatch.context() as patch, pytest.raises(HoldError, match="No space left"):
         patch.setattr("litrig.base.capture_folder.writer.write_atomically", full)
         with CaptureFolderWriter(bench.folder, Journal(bench.folder.with_suffix(".jsonl")), "x") as writer, bench.rig:
-            list(run(AmcPlan(4), bench.rig, writer, lambda: False))
+            list(run(AmcPlan(8), bench.rig, writer, lambda: False))
     assert bench.rig.state is RigState.HOLD

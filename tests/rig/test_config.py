@@ -18,8 +18,8 @@ def test_the_example_loads_and_its_comments_are_the_defaults(tmp_path: Path) -> 
         is_setting = line.startswith("# ") and " = " in told and told.split(" = ")[0].isidentifier()
         spelled_out.append(told if is_setting else line)
     full = parse_toml("\n".join(spelled_out), RigConfig, "rig.toml")
-    # These three have no default: the comments only show how they are written.
-    bare = {"white_balance_k": None, "focus": None}
+    # These have no default: the comments only show how they are written.
+    bare = {"white_balance_k": None, "focus": None, "fps": None, "gain": None}
     assert full.camera is not None
     assert full.model_copy(update={"camera": full.camera.model_copy(update=bare), "sample": config.sample}) == config
 

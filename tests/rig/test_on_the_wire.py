@@ -11,7 +11,7 @@ from rig.clock import MonotonicClock
 from rig.config import RigConfig, read_rig
 from rig.dynamixel import registers
 from rig.dynamixel.link import DynamixelLink
-from rig.errors import CameraError, DeviceError, GarbledReplyError, LinkTimeoutError, PortError
+from rig.errors import CameraError, DeviceError, GarbledReplyError, LinkTimeoutError, PortError, PositionLostError
 from rig.rig import Rig, RigState, open_rig
 
 
@@ -179,3 +179,36 @@ def test_the_camera_process_ends_with_the_rig(sphere_sim: RunningSim) -> None:
         os.kill(worker, 0)
     with pytest.raises(ProcessLookupError):
         os.kill(worker, 0)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        pytest.param({"gain": 100_000}, "has gain = 100, not 100000", id="gain"),
+        pytest.param({"focus": 99_999}, "has focus = 255, not 99999", id="focus"),
+        pytest.param({"white_balance_k": 1}, "has white_balance_k = 2800, not 1", id="white balance"),
+        pytest.param({"width": 123}, "has width = ", id="width"),
+        pytest.param({"exposure_ms": 9000.0}, "has exposure_ms = ", id="exposure"),
+    ],
+)
+def test_a_setting_that_the_camera_does_not_take_is_refused(
+    sphere_sim: RunningSim, change: dict[str, float], message: str
+) -> None:
+    config = config_of(sphere_sim)
+    assert config.camera is not None
+    other = config.model_copy(update={"camera": config.camera.model_copy(update=change)})
+    with pytest.raises(CameraError, match=message):
+        open_rig(other, use=frozenset({"camera"}), environment=sphere_sim.environment)
+
+
+def test_an_alarm_that_comes_unasked_is_not_overheard(relief_sim: RunningSim) -> None:
+    with opened(relief_sim, "arm", "lights") as rig:
+        rig.home()
+        port = config_of(relief_sim).arm
+        assert port is not None
+        rig.arm._controller._write(b"$J=G91 X-200 F6000\n")  # type: ignore[attr-defined]  # motion behind its back
+        rig.clock.sleep(0.3)
+        rig.arm._controller._write(b"\x18")  # type: ignore[attr-defined]  # a reset in motion: alarm 3
+        rig.clock.sleep(0.8)
+        with pytest.raises(PositionLostError, match="alarm 3"):
+            rig.arm.locate()

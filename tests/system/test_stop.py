@@ -6,7 +6,9 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from firmware_sim.launch import RunningSim
+from firmware_sim.config import SimConfig
+from firmware_sim.launch import RunningSim, simulated_rig
+from litrig.base.capture_folder.journal import read_journal
 from litrig.base.capture_folder.reader import read_capture
 from tests.system.command import start
 
@@ -35,16 +37,52 @@ def test_sigterm_stops_a_turning_table_where_it_is(sphere_sim: RunningSim) -> No
     assert sphere_sim.side_channel.status()["turntable_deg"] < 650
 
 
-def test_one_interrupt_finishes_the_move_and_a_second_one_stops_it(sphere_sim: RunningSim) -> None:
+def test_an_impatient_operator_does_not_cut_the_stop_short(sphere_sim: RunningSim) -> None:
     process = start("rig", "move", sphere_sim.rig_toml, "--angle", "700", environment=sphere_sim.environment)
     wait_until(moving(sphere_sim))
-    process.send_signal(signal.SIGINT)
-    time.sleep(0.3)  # noqa: TID251  # long enough for a stop that must not come
-    assert moving(sphere_sim)()
+    for _ in range(6):
+        process.send_signal(signal.SIGINT)
+        time.sleep(0.01)  # noqa: TID251  # a person's fingers
+    process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 130
+    wait_until(lambda: not moving(sphere_sim)())
+    assert sphere_sim.side_channel.status()["turntable_deg"] < 650
+
+
+def test_a_stop_ends_homing(relief_sim: RunningSim) -> None:
+    process = start("rig", "home", relief_sim.rig_toml, environment=relief_sim.environment)
+    wait_until(lambda: relief_sim.side_channel.status()["arm_state"] == "Home")
     process.send_signal(signal.SIGINT)
     process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 130
-    assert sphere_sim.side_channel.status()["turntable_deg"] < 650
+    assert relief_sim.side_channel.status()["arm_state"] == "Alarm", "the position is unknown, and the controller knows"
+
+
+def test_an_interrupt_and_another_one_stop_a_session(sphere_sim: RunningSim, tmp_path: Path) -> None:
+    folder = tmp_path / "s"
+    command = ("capture", "amc", sphere_sim.rig_toml, "-o", folder, "--slices", "64")
+    process = start(*command, environment=sphere_sim.environment)
+    wait_until(lambda: len(list((folder / "data/frames").glob("*.jpg"))) >= 1)
+    sphere_sim.side_channel.request("camera.hang")
+    for _ in range(2):
+        process.send_signal(signal.SIGINT)
+        time.sleep(0.1)  # noqa: TID251  # a person's fingers
+    process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 130
+    assert read_journal(folder / "data/journal.jsonl")[-1]["ev"] == "stop"
+
+
+def test_a_rig_that_vanishes_in_a_session_is_on_hold_and_keeps_the_frames(tmp_path: Path) -> None:
+    folder = tmp_path / "s"
+    with simulated_rig(SimConfig()) as sim:
+        command = ("capture", "amc", sim.rig_toml, "-o", folder, "--slices", "64")
+        process = start(*command, environment=sim.environment)
+        wait_until(lambda: len(list((folder / "data/frames").glob("*.jpg"))) >= 2)
+    _, error = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 3, error
+    assert "Traceback" not in error
+    assert "on hold; the frames so far are safe" in error
+    assert len(read_capture(folder).frames) >= 2
 
 
 def test_one_interrupt_pauses_a_session_and_keeps_its_frames(sphere_sim: RunningSim, tmp_path: Path) -> None:
