@@ -154,7 +154,7 @@ class CameraConfig(StrictModel):
     gain: int | None = Field(default=None, ge=0)
     """Sensor gain in the camera's own unit; left as the camera has it if left out."""
     white_balance_k: int | None = None
-    """Colour temperature; left as the camera has it if left out. Automatic white balance is switched off in any case."""
+    """Colour temperature; left as it is if left out. Automatic white balance is switched off in any case."""
     focus: int | None = None
     """Focus in the camera's own unit; left as it is if left out. Autofocus is switched off in any case."""
     timeout_s: Positive = 10.0

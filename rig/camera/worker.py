@@ -47,9 +47,7 @@ class OpenedCamera:
         fourcc = cv2.VideoWriter.fourcc(*config["pixel_format"])
         self._capture = cv2.VideoCapture(config["device"], cv2.CAP_V4L2, [cv2.CAP_PROP_FOURCC, fourcc])
         if not self._capture.isOpened():
-            raise WorkerError(
-                "cannot be opened as a camera; check the cable, the device in RIG.toml, and that no other program uses it"
-            )
+            raise WorkerError("cannot be opened as a camera; check cable, device path, and that nobody else uses it")
         # The format as it comes: the camera's own JPEG is kept bit for bit.
         self._set(cv2.CAP_PROP_CONVERT_RGB, 0 if self._keeps_jpeg else 1)
 

@@ -64,6 +64,7 @@ def test_an_interrupt_and_another_one_stop_a_session(sphere_sim: RunningSim, tmp
     process = start(*command, environment=sphere_sim.environment)
     wait_until(lambda: len(list((folder / "data/frames").glob("*.jpg"))) >= 1)
     sphere_sim.side_channel.request("camera.hang")
+    time.sleep(0.5)  # noqa: TID251  # into the exposure that never ends
     for _ in range(2):
         process.send_signal(signal.SIGINT)
         time.sleep(0.1)  # noqa: TID251  # a person's fingers
