@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from firmware_sim.errors import SimConfigError
+from firmware_sim.mitsuba.config import MitsubaScene
 
 LARGEST_SIM_TOML_BYTES = 1_000_000
 
@@ -110,7 +111,7 @@ class SimConfig(_Strict):
     turntable: TurntableSim = TurntableSim()
     arm: ArmSim = ArmSim()
     camera: CameraSim = CameraSim()
-    scene: Annotated[SphereScene | ReliefScene, Field(discriminator="kind")] = SphereScene()
+    scene: Annotated[SphereScene | ReliefScene | MitsubaScene, Field(discriminator="kind")] = SphereScene()
 
 
 def read_sim(path: Path) -> SimConfig:

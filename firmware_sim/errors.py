@@ -4,6 +4,7 @@ SimError                    status 1; the message is one line for a person
 ├── SimConfigError          SIM.toml is wrong: mend the line that the message names
 ├── SimToolError            the system lacks a compiler or a header: install what the message names
 ├── SimServerError          the simulator's process did not start, or died: the message has its last words
+├── RenderError             a picture cannot be rendered: the message says why
 └── SideChannelError        a request over the side channel was refused, or nobody answers there
 """
 
@@ -24,6 +25,10 @@ class SimToolError(SimError):
 
 class SimServerError(SimError):
     """The process that plays the devices is not there."""
+
+
+class RenderError(SimError):
+    """What renders the scene failed, or ended."""
 
 
 class SideChannelError(SimError):

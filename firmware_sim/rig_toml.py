@@ -1,8 +1,10 @@
 """RIG.toml for the simulated devices, as a person would write it for real ones."""
 
 from firmware_sim.config import ReliefScene, SimConfig, SphereScene
+from firmware_sim.mitsuba.config import MitsubaScene
 
 GRBL_BAUD = 115_200
+FLAT_SAMPLES = ("relief", "white-card")
 
 
 def rig_toml(config: SimConfig, turntable_port: str, arm_port: str) -> str:
@@ -14,12 +16,10 @@ def rig_toml(config: SimConfig, turntable_port: str, arm_port: str) -> str:
     turntable_port, arm_port : device paths of the serial ports
     """
     table, arm, camera = config.turntable, config.arm, config.camera
-    is_relief = isinstance(config.scene, ReliefScene)
-    scene = "relief" if is_relief else "brushed sphere"
-    lights = 'kind = "grbl-spindle"\npower = 1000' if is_relief else 'kind = "always-on"'
+    lights = 'kind = "grbl-spindle"\npower = 1000' if _is_lit_by_the_arm(config.scene) else 'kind = "always-on"'
     return f"""\
 [rig]
-name = "simulated: {scene}"
+name = "simulated: {_name(config.scene)}"
 
 [turntable]
 kind = "dynamixel"
@@ -50,7 +50,19 @@ gain = {camera.gain}
 {_sample(config.scene)}"""
 
 
-def _sample(scene: SphereScene | ReliefScene) -> str:
+def _name(scene: SphereScene | ReliefScene | MitsubaScene) -> str:
+    if isinstance(scene, MitsubaScene):
+        return f"rendered {scene.sample.replace('-', ' ')}"
+    return "relief" if isinstance(scene, ReliefScene) else "brushed sphere"
+
+
+def _is_lit_by_the_arm(scene: SphereScene | ReliefScene | MitsubaScene) -> bool:
+    return scene.lights != "studio" if isinstance(scene, MitsubaScene) else isinstance(scene, ReliefScene)
+
+
+def _sample(scene: SphereScene | ReliefScene | MitsubaScene) -> str:
     if isinstance(scene, ReliefScene) or scene.projection == "orthographic":
+        return ""
+    if isinstance(scene, MitsubaScene) and scene.sample in FLAT_SAMPLES:
         return ""
     return f"\n[sample]\nsphere_distance_radii = {scene.distance_radii:.3f}\n"

@@ -23,6 +23,12 @@ from firmware_sim.config import SimConfig
 from firmware_sim.devices import Devices
 from firmware_sim.errors import SimServerError
 from firmware_sim.faults import arm_faults, camera_faults, turntable_faults
+from firmware_sim.mitsuba.config import MitsubaScene
+from firmware_sim.render_queue import RenderQueue
+from firmware_sim.render_requests import render_requests
+from firmware_sim.resting import last_elsewhere_s
+from firmware_sim.scene.pose import Pose
+from firmware_sim.scene.rendering import note_on, relevance_of, room_for
 from firmware_sim.side_channel import Answer, Handler, SideChannelServer
 from firmware_sim.wire import Wire
 
@@ -37,12 +43,21 @@ LONGEST_WAIT_S = 0.05
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 
 
+Process = subprocess.Popen[bytes]
+
+
 class Server:
     """One loop over everything that can have something to say."""
 
-    def __init__(self, config: SimConfig, folder: Path, shared: SharedFrame, clock: Clock) -> None:
+    def __init__(
+        self, config: SimConfig, folder: Path, shared: SharedFrame, clock: Clock, renders: RenderQueue
+    ) -> None:
+        self._config = config
+        self._folder = folder
         self._clock = clock
         self._shared = shared
+        self._renders = renders
+        self._relevance = relevance_of(config.scene)
         self._running = True
         self._devices = Devices(config, clock)
         self._wires = {"turntable": Wire(self._devices.bus, clock), "arm": Wire(self._devices.arm, clock)}
@@ -55,18 +70,32 @@ class Server:
     def stop(self) -> None:
         self._running = False
 
-    def run(self, studio: "subprocess.Popen[bytes]") -> None:
-        """Serve until standard input closes, somebody asks for the end, or the camera's process is lost."""
+    def run(self, studio: Process, darkroom: Process | None) -> None:
+        """Serve until standard input closes, somebody asks for the end, or the camera's process is lost.
+
+        Without the renderer the devices go on; who asks for progress is told that it is lost.
+        """
         while self._running:
             for wire in self._wires.values():
                 wire.service()
             if studio.poll() is not None:
                 raise SimServerError(f"the camera's process ended by itself with status {studio.returncode}")
+            if darkroom is not None and darkroom.poll() is not None:
+                words = self._last_words()
+                self._renders.fail(
+                    f"the renderer ended by itself with status {darkroom.returncode} ({words}); start again"
+                )
+                darkroom = None
             for ready in self._wait():
                 if isinstance(ready, socket.socket):
                     self._channel.serve(ready)
                 elif ready == sys.stdin.fileno():
                     self._running = False
+
+    def _last_words(self) -> str:
+        """Return the last line that a child of ours has written, for the log may go with its folder."""
+        words = (self._folder / LOG_NAME).read_text("utf-8", errors="replace").strip().splitlines()
+        return words[-1] if words else "it said nothing"
 
     def close(self) -> None:
         self._channel.close()
@@ -84,9 +113,11 @@ class Server:
             return [key.fileobj for key, _ in selector.select(wait_s)]  # type: ignore[misc] # what we registered
 
     def _handlers(self) -> dict[str, Handler]:
-        own: dict[str, Handler] = {"status": self._status, "poses": self._poses, "shutdown": self._shutdown}
+        own: dict[str, Handler] = {"status": self._status, "shutdown": self._shutdown}
+        own |= {"poses": self._poses, "poses.before": self._poses_before}
         faults = (turntable_faults(self._devices), arm_faults(self._devices), camera_faults(self._shared))
-        for table in faults:
+        renders = render_requests(self._renders, self._config, lambda: Pose(*self._devices.pose(self._clock())))
+        for table in (*faults, renders):
             own |= table
         return own
 
@@ -104,12 +135,22 @@ class Server:
             "arm_state": self._devices.arm.state,
             "lamp": lamp,
             "camera": camera,
+            "render": self._renders.progress(),
             "wires": {name: {"port": wire.path, "recent": wire.recent()} for name, wire in self._wires.items()},
         }
 
     @validate_call
     def _poses(self, at: list[float]) -> Answer:
-        return {"poses": [self._devices.pose(time_s) for time_s in at]}
+        return {"poses": [self._pose(time_s) for time_s in at]}
+
+    @validate_call
+    def _poses_before(self, at: float) -> Answer:
+        """Return an instant before the pose of a time at rest was reached."""
+        return {"time_s": last_elsewhere_s(self._pose, at)}
+
+    def _pose(self, time_s: float) -> Pose:
+        """Return the pose as far as the camera can see it."""
+        return self._relevance.of(Pose(*self._devices.pose(time_s)))
 
     @validate_call
     def _shutdown(self) -> Answer:
@@ -118,12 +159,12 @@ class Server:
 
 
 @contextmanager
-def _studio(folder: Path) -> Iterator["subprocess.Popen[bytes]"]:
-    """Run the camera's process; it ends with the standard input that we hold."""
-    paths = {"--config": CONFIG_NAME, "--frames": FRAMES_NAME, "--channel": CHANNEL_NAME}
-    options = [word for option, name in paths.items() for word in (option, str(folder / name))]
-    command = [sys.executable, "-m", "firmware_sim.studio", *options]
-    process = subprocess.Popen(command, stdin=subprocess.PIPE, env=os.environ | ONE_THREAD)
+def _child(module: str, environment: dict[str, str], **options: Path | str) -> Iterator[Process]:
+    """Run one of our modules; it ends with the standard input that we hold."""
+    words = [word for name, value in options.items() for word in (f"--{name}", str(value))]
+    process = subprocess.Popen(
+        [sys.executable, "-m", module, *words], stdin=subprocess.PIPE, env=os.environ | environment
+    )
     try:
         yield process
     finally:
@@ -137,35 +178,47 @@ def _studio(folder: Path) -> Iterator["subprocess.Popen[bytes]"]:
             process.stdin.close()
 
 
-def serve(folder: Path) -> None:
+def serve(folder: Path, cache: Path, variant: str) -> None:
     """Play the devices that `folder` describes, and say on standard output where they are.
 
     Parameters
     ----------
     folder : holds the configuration as JSON; what is made beside it is removed at the end
+    cache : folder of all rendered pictures
+    variant : of mitsuba, if it is needed
     """
     with suppress(PermissionError):
         os.nice(-5)  # hosts give up after some milliseconds; real firmware has its processor for itself
     config = SimConfig.model_validate_json((folder / CONFIG_NAME).read_text("utf-8"))
+    room = room_for((config.camera.height, config.camera.width))
+    files = {"config": folder / CONFIG_NAME, "channel": folder / CHANNEL_NAME, "cache": cache}
     with ExitStack() as stack:
         shared = stack.enter_context(SharedFrame(folder / FRAMES_NAME, create=True))
         stack.callback((folder / FRAMES_NAME).unlink, missing_ok=True)
         shared["best_focus"] = config.camera.best_focus
-        server = Server(config, folder, shared, monotonic_s)
+        server = Server(config, folder, shared, monotonic_s, RenderQueue(room, note_on(variant)))
         stack.callback(server.close)
         for number in (signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, lambda *_: server.stop())
-        studio = stack.enter_context(_studio(folder))
+        studio = stack.enter_context(
+            _child("firmware_sim.studio", ONE_THREAD, **files, frames=folder / FRAMES_NAME, variant=variant)
+        )
+        darkroom = None
+        if isinstance(config.scene, MitsubaScene):
+            darkroom = stack.enter_context(_child("firmware_sim.darkroom", {}, **files, variant=variant))
         sys.stdout.write(json.dumps(server.ports) + "\n")
         sys.stdout.flush()
-        server.run(studio)
+        server.run(studio, darkroom)
 
 
 def main() -> None:
     """Serve until the parent lets go."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--folder", type=Path, required=True)
-    serve(parser.parse_args().folder)
+    parser.add_argument("--cache", type=Path, required=True)
+    parser.add_argument("--variant", default="")
+    arguments = parser.parse_args()
+    serve(arguments.folder, arguments.cache, arguments.variant)
 
 
 if __name__ == "__main__":

@@ -5,8 +5,7 @@ It is apart from the wires, so that a servo answers in time while a picture is c
 
 import argparse
 import os
-import select
-import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,15 +14,20 @@ import numpy as np
 
 from firmware_sim.camera.encode import encode
 from firmware_sim.camera.shared_frame import SharedFrame, Wish
+from firmware_sim.child import Requests, wait_for_the_parent
 from firmware_sim.clock import Clock, monotonic_s
-from firmware_sim.config import ReliefScene, SimConfig
+from firmware_sim.config import CameraSim, ReliefScene, SimConfig
 from firmware_sim.errors import SideChannelError
+from firmware_sim.mitsuba.config import MitsubaScene
 from firmware_sim.parent import die_with_parent
 from firmware_sim.scene.brushed_sphere import BrushedSphere
-from firmware_sim.scene.pose import F32, Pose, Scene
+from firmware_sim.scene.pose import F32, Pose, Scene, Size
 from firmware_sim.scene.relief import Relief
+from firmware_sim.scene.rendered import RenderedScene
+from firmware_sim.scene.rendering import frame_cache, relevance_of
 from firmware_sim.scene.sensor import NEUTRAL_K, AutoExposure, Exposure, Sensor
 from firmware_sim.side_channel import SideChannel
+from firmware_sim.stale import StaleFrames
 
 INSTANTS = 4
 """Instants of an exposure that a moving picture is the mean of."""
@@ -42,26 +46,52 @@ class Shot(NamedTuple):
     time_s: float
     wish: Wish
 
+    @property
+    def size(self) -> Size:
+        return self.wish.height, self.wish.width
+
+    @property
+    def instants_s(self) -> list[float]:
+        return [self.start_s + self.time_s * (i + 0.5) / INSTANTS for i in range(INSTANTS)]
+
 
 class Studio:
-    """Renders one exposure after the other for as long as the client streams."""
+    """Renders one exposure after the other for as long as the client streams.
 
-    def __init__(self, config: SimConfig, shared: SharedFrame, channel: SideChannel, clock: Clock) -> None:
-        camera = config.camera
-        self._config = camera
+    Parameters
+    ----------
+    config : the camera
+    scene : what it sees
+    shared : where pictures go, and wishes come from
+    channel : tells where the devices were
+    clock : the time that pictures are stamped with
+    wait : lets seconds pass
+    """
+
+    def __init__(
+        self,
+        config: CameraSim,
+        scene: Scene,
+        shared: SharedFrame,
+        channel: Requests,
+        clock: Clock = monotonic_s,
+        wait: Callable[[float], None] = wait_for_the_parent,
+    ) -> None:
+        self._config = config
         self._shared = shared
         self._channel = channel
         self._clock = clock
-        self._scene: Scene = (
-            Relief(config.scene) if isinstance(config.scene, ReliefScene) else BrushedSphere(config.scene)
-        )
-        self._sensor = Sensor(camera.full_well_electrons, camera.read_noise_electrons, camera.seed)
+        self._wait = wait
+        self._scene = scene
+        self._sensor = Sensor(config.full_well_electrons, config.read_noise_electrons, config.seed)
         self._auto = AutoExposure()
         self._last: tuple[object, F32] | None = None
         self._picture = b""
         self._number = 0
         self._next_s = 0.0
         self._period_s = 0.0
+        self._stream, self._stamp_s = 0, 0.0
+        self._stale = StaleFrames()
 
     def warm_up(self) -> None:
         """Compute once what all pictures share, before anybody waits for it."""
@@ -71,13 +101,34 @@ class Studio:
     def work(self) -> None:
         """Take the next picture, or find out that nobody wants one; returns within an exposure or two."""
         if not self._shared["streaming"] or self._shared["unplugged"] or self._shared["hang"]:
-            _wait(NAP_S)
+            self._wait(NAP_S)
             return
         shot = self._begin()
         self._wait_until(shot.start_s + shot.time_s + READOUT_S)
-        picture = self._take(shot)
+        poses = self._poses(shot.instants_s)
+        if len(set(poses)) > 1:
+            self._publish(shot, poses)
+        elif self._scene.is_ready(poses[0], shot.size):
+            self._publish(shot, poses[:1])
+        else:
+            self._publish_stale(shot, poses[0])
+
+    def _publish_stale(self, shot: Shot, pose: Pose) -> None:
+        """Keep the client waiting with a picture in between, dated back so that it does not pass for the present."""
+        if self._stale.is_due(shot.start_s):
+            last_s = self._stamp_s if shot.wish.stream == self._stream else None
+            episode = pose, shot.wish.stream
+            self._hand_over(shot, [pose, pose], self._stale.stamp_s(episode, last_s, lambda: self._before_rest_s(shot)))
+
+    def _publish(self, shot: Shot, poses: list[Pose]) -> None:
+        self._stale = StaleFrames()
+        self._hand_over(shot, poses, shot.start_s)
+
+    def _hand_over(self, shot: Shot, poses: list[Pose], stamp_s: float) -> None:
+        picture = self._take(shot, poses)
         self._number += 1
-        self._shared.publish(picture, shot.wish.stream, self._number, shot.start_s)
+        self._stream, self._stamp_s = shot.wish.stream, stamp_s
+        self._shared.publish(picture, shot.wish.stream, self._number, stamp_s)
 
     def _begin(self) -> Shot:
         """Wait for the shutter, and only then look what the client wants: a control set before it counts."""
@@ -93,13 +144,13 @@ class Studio:
 
     def _wait_until(self, time_s: float) -> None:
         while (left_s := time_s - self._clock()) > 0:
-            _wait(left_s)
+            self._wait(left_s)
 
-    def _take(self, shot: Shot) -> bytes:
+    def _take(self, shot: Shot, poses: list[Pose]) -> bytes:
         if self._shared["frozen"] and self._picture:
             return self._picture
         wish = shot.wish
-        light = self._light(shot)
+        light = self._light(shot, poses)
         if wish.exposure_auto == AUTO_EXPOSURE:
             self._auto.observe(light, 1 / wish.fps)
         white_balance_k = NEUTRAL_K if wish.white_balance_auto else wish.white_balance_k
@@ -109,21 +160,18 @@ class Studio:
         self._picture = encode(picture, wish.pixel_format, camera.jpeg_quality, camera.jpeg_subsampling)
         return self._picture
 
-    def _light(self, shot: Shot) -> F32:
-        wish = shot.wish
-        size = (wish.height, wish.width)
-        off_focus = 0 if wish.focus_auto else abs(wish.focus - self._config.best_focus)
-        instants = [shot.start_s + shot.time_s * (i + 0.5) / INSTANTS for i in range(INSTANTS)]
-        poses = self._poses(instants)
-        if len(set(poses)) == 1:
-            poses = poses[:1]
-        key = (poses, size, off_focus)
+    def _light(self, shot: Shot, poses: list[Pose]) -> F32:
+        off_focus = 0 if shot.wish.focus_auto else abs(shot.wish.focus - self._config.best_focus)
+        key = (poses, shot.size, off_focus)
         if self._last is None or self._last[0] != key:
-            self._last = key, _defocus(self._scene.light(poses, size), off_focus)
+            self._last = key, _defocus(self._scene.light(poses, shot.size), off_focus)
         return self._last[1]
 
     def _poses(self, times_s: list[float]) -> list[Pose]:
         return [Pose(*values) for values in self._channel.request("poses", at=times_s)["poses"]]
+
+    def _before_rest_s(self, shot: Shot) -> float:
+        return float(self._channel.request("poses.before", at=shot.instants_s[0])["time_s"])
 
 
 def _defocus(light: F32, off_focus: int) -> F32:
@@ -131,18 +179,24 @@ def _defocus(light: F32, off_focus: int) -> F32:
     return np.asarray(cv2.GaussianBlur(light, (0, 0), sigma_px), np.float32) if sigma_px > 0.1 else light
 
 
-def _wait(seconds: float) -> None:
-    """Let time pass, but not beyond the parent's end: it holds the other end of our standard input."""
-    readable, _, _ = select.select([sys.stdin], [], [], seconds)
-    if readable:
-        raise SystemExit(0)
+def _scene(config: SimConfig, variant: str, cache: Path, channel: Requests) -> Scene:
+    scene = config.scene
+    if isinstance(scene, MitsubaScene):
+        return RenderedScene(
+            frame_cache(scene, variant, cache),
+            relevance_of(scene),
+            lambda pose, size: channel.request("render.urgent", pose=pose, size=size),
+            monotonic_s,
+        )
+    return Relief(scene) if isinstance(scene, ReliefScene) else BrushedSphere(scene)
 
 
 def main() -> None:
     """Serve the camera of one simulator until that ends."""
     parser = argparse.ArgumentParser(description=__doc__)
-    for name in ("config", "frames", "channel"):
+    for name in ("config", "frames", "channel", "cache"):
         parser.add_argument(f"--{name}", type=Path, required=True)
+    parser.add_argument("--variant", default="")
     arguments = parser.parse_args()
     die_with_parent()
     os.nice(10)  # the wires come first
@@ -150,7 +204,8 @@ def main() -> None:
     config = SimConfig.model_validate_json(arguments.config.read_text("utf-8"))
     try:
         with SharedFrame(arguments.frames) as shared, SideChannel(arguments.channel) as channel:
-            studio = Studio(config, shared, channel, monotonic_s)
+            scene = _scene(config, arguments.variant, arguments.cache, channel)
+            studio = Studio(config.camera, scene, shared, channel)
             studio.warm_up()
             while True:
                 studio.work()

@@ -74,6 +74,9 @@ class BrushedSphere:
         self._config = config
         self._shaders: dict[Size, _Shader] = {}
 
+    def is_ready(self, pose: Pose, size: Size) -> bool:
+        return True
+
     def light(self, poses: Sequence[Pose], size: Size) -> F32:
         if size not in self._shaders:
             self._shaders = {size: _Shader(self._config, size)}

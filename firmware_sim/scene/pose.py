@@ -27,8 +27,27 @@ class Pose(NamedTuple):
     lamp: float
 
 
+class PlannedPose(NamedTuple):
+    """Where a plan will send the devices; what it leaves out stays where it is.
+
+    Attributes
+    ----------
+    turntable_deg : as RIG.toml's turntable counts
+    azimuth_deg, elevation_deg : as RIG.toml's arm counts
+    lamp : 0..1 of full power
+    """
+
+    turntable_deg: float | None = None
+    azimuth_deg: float | None = None
+    elevation_deg: float | None = None
+    lamp: float = 1.0
+
+
 class Scene(Protocol):
     """What stands before the camera."""
+
+    def is_ready(self, pose: Pose, size: Size) -> bool:
+        """Tell whether `light` of this pose alone would be exact now; if not, see to it that it will be."""
 
     def light(self, poses: Sequence[Pose], size: Size) -> F32:
         """Return the light that falls on the sensor during an exposure.

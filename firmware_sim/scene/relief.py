@@ -34,6 +34,9 @@ class Relief:
         self._size: Size = (0, 0)
         self._coin: F32 = np.zeros((0, 0, 4), np.float32)
 
+    def is_ready(self, pose: Pose, size: Size) -> bool:
+        return True
+
     def light(self, poses: Sequence[Pose], size: Size) -> F32:
         if size != self._size:
             self._coin, self._size = strike(self._config, size), size

@@ -5,6 +5,7 @@ import pytest
 
 from firmware_sim.config import ReliefScene, SimConfig, SphereScene, read_sim
 from firmware_sim.errors import SimConfigError
+from firmware_sim.mitsuba.config import MitsubaScene
 from firmware_sim.rig_toml import rig_toml
 from tests.firmware_sim.conftest import ROOT
 
@@ -58,6 +59,8 @@ def test_a_file_that_is_no_text_is_named(tmp_path: Path) -> None:
 
 SPHERE = {"kind": "always-on"}
 LAMP = {"kind": "grbl-spindle", "power": 1000}
+BRUSHED, FABRIC = MitsubaScene(), MitsubaScene(sample="fabric", distance_radii=20, lights="near-lamp")
+CARD, CHROME = MitsubaScene(sample="white-card"), MitsubaScene(sample="chrome-ball", projection="orthographic")
 
 
 @pytest.mark.parametrize(
@@ -66,10 +69,17 @@ LAMP = {"kind": "grbl-spindle", "power": 1000}
         pytest.param(SphereScene(), "brushed sphere", SPHERE, {"sphere_distance_radii": 8}, id="perspective sphere"),
         pytest.param(SphereScene(projection="orthographic"), "brushed sphere", SPHERE, None, id="orthographic sphere"),
         pytest.param(ReliefScene(), "relief", LAMP, None, id="relief"),
+        pytest.param(BRUSHED, "rendered brushed metal", SPHERE, {"sphere_distance_radii": 8}, id="rendered sphere"),
+        pytest.param(FABRIC, "rendered fabric", LAMP, {"sphere_distance_radii": 20}, id="rendered, lit by the arm"),
+        pytest.param(CARD, "rendered white card", SPHERE, None, id="rendered, but no sphere"),
+        pytest.param(CHROME, "rendered chrome ball", SPHERE, None, id="rendered, orthographic"),
     ],
 )
 def test_rig_toml_describes_the_devices(
-    scene: SphereScene | ReliefScene, name: str, lights: dict[str, object], sample: dict[str, object] | None
+    scene: SphereScene | ReliefScene | MitsubaScene,
+    name: str,
+    lights: dict[str, object],
+    sample: dict[str, object] | None,
 ) -> None:
     rig = tomllib.loads(rig_toml(SimConfig(scene=scene), "/dev/pts/5", "/dev/pts/6"))
     assert rig == {
@@ -94,3 +104,9 @@ def test_rig_toml_describes_the_devices(
             "gain": 0,
         },
     } | ({"sample": sample} if sample else {})
+
+
+def test_a_rendered_scene_is_chosen_by_its_kind(tmp_path: Path) -> None:
+    path = tmp_path / "SIM.toml"
+    path.write_text('[scene]\nkind = "mitsuba"\nsample = "fabric"\ninvariance = 3', encoding="utf-8")
+    assert read_sim(path).scene == MitsubaScene(sample="fabric", invariance=3)

@@ -1,0 +1,94 @@
+"""Measure everything against mitsuba and write the page. Usage: python -m benchmarks.oracle docs/oracle.md"""
+
+import importlib.metadata
+import sys
+import tempfile
+from pathlib import Path
+
+from benchmarks import oracle_tables
+from firmware_sim.mitsuba.variants import FAST, best_variant
+from tests.oracle.shoot import LAMP_SHARE, LIGHTS, SLICES, TRUTH_FACTOR, Studio
+
+SIDE_PX, SAMPLES = 128, 160
+SLOW_SIDE_PX, SLOW_SAMPLES = 64, 96
+
+TEXT = """# The oracle: what physics says
+
+Made by `make oracle`. mitsuba renders the captures and the truths; no code is shared between what renders and what fits
+(import-linter sees to it). A capture is a plain folder of linear EXR pictures, and goes the way that any other goes.
+
+Last run: mitsuba {version}, variant {variant}, {side} × {side} pixels, {samples} samples a pixel in the captures,
+{truth} in the truths, {lamp} under the lamp.{slow}
+
+The spheres stand in a studio: two softboxes and an environment. Aluminium and gold are GGX microfacets; rough has
+roughnesses .12 along and .4 across the brushing, as has gold; fine has .06 and .25.
+
+## Another brushing of the same metal
+
+An AMC is built from {slices} pictures of a sphere that is brushed along parallels about an axis in the picture's
+plane (16 slices, as R = 2). It predicts the orthographic picture of the same metal brushed along parallels at another
+angle, in circles about the camera's axis, and about an axis tilted by 35°; normals and tangents come from the renderer.
+PSNR is in linear light, its peak the truth's 99.9th percentile, over pixels with n_z > .25 and a tangent longer than
+.15 in the picture. Goal: at least 27 dB for other brushings, and below 18 dB when all tangents are off by 90° in the
+surface.
+
+{brushings}
+
+## Perspective
+
+The AMC is built from a camera at a distance, and predicts orthographic pictures of the two other brushings (mean of
+both). Figures are RMS errors relative to the truth's RMS, over normals with a radius below .8. The row "orthographic"
+is what is left without any perspective: noise, and sixteen slices. Goal: `rectified` is nearer than the naive crop and
+than `view`.
+
+{perspective}
+
+## Invariance of weaves
+
+Spheres of R tilted lobes a turn; the build finds R by itself. "Energy outside" is the share of the change over the
+tangent's angle that R does not explain: in the tangent plane, where a weave repeats exactly, and over k, by which the
+table is stored. Only R = 1 and 2 are exact over k.
+
+{fabrics}
+
+## Relighting
+
+A slab with domes, a groove and a gloss under {lights} lamps; shadows fall. PSNR over all frames, display values,
+nothing cut off. The fit goes through the `.ptm` file and back, where coefficients have 8 bits. Goal: less than .1 dB
+lost.
+
+{relighting}
+"""
+SLOW = " This variant is slow, so pixels and samples are fewer than with LLVM."
+
+
+def page(studio: Studio) -> str:
+    """Measure all tables and return the page."""
+    return TEXT.format(
+        version=importlib.metadata.version("mitsuba"),
+        variant=studio.variant,
+        side=studio.side_px,
+        samples=studio.samples,
+        truth=TRUTH_FACTOR * studio.samples,
+        lamp=round(LAMP_SHARE * studio.samples),
+        slow="" if studio.variant == FAST else SLOW,
+        slices=SLICES,
+        lights=LIGHTS,
+        brushings=oracle_tables.brushings(studio),
+        perspective=oracle_tables.perspective(studio),
+        fabrics=oracle_tables.fabrics(studio),
+        relighting=oracle_tables.relighting(studio),
+    )
+
+
+def main() -> None:
+    variant = best_variant()
+    side_px, samples = (SIDE_PX, SAMPLES) if variant == FAST else (SLOW_SIDE_PX, SLOW_SAMPLES)
+    with tempfile.TemporaryDirectory() as name:
+        text = page(Studio(variant, side_px, samples, Path(name)))
+    Path(sys.argv[1]).write_text(text, encoding="utf-8")
+    sys.stdout.write(text)
+
+
+if __name__ == "__main__":
+    main()
