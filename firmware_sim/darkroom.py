@@ -16,10 +16,11 @@ from firmware_sim.config import SimConfig
 from firmware_sim.errors import RenderError, SideChannelError
 from firmware_sim.mitsuba.config import MitsubaScene
 from firmware_sim.parent import die_with_parent
+from firmware_sim.scene.coarse import CoarseRenderer
 from firmware_sim.scene.frame_cache import FrameCache
 from firmware_sim.scene.pose import F32, Pose, Size
 from firmware_sim.scene.rendered import FrameRenderer
-from firmware_sim.scene.rendering import frame_cache
+from firmware_sim.scene.rendering import frame_cache, is_slow
 from firmware_sim.side_channel import SideChannel
 
 NAP_S = 0.03
@@ -83,6 +84,8 @@ def _mitsuba(scene: MitsubaScene, variant: str) -> FrameRenderer:
     # It takes a while to load, and is not needed at all if every picture is in the cache.
     from firmware_sim.mitsuba.renderer import MitsubaRenderer
 
+    if is_slow(variant):
+        return CoarseRenderer(scene, lambda coarse: MitsubaRenderer(coarse, variant))
     return MitsubaRenderer(scene, variant)
 
 

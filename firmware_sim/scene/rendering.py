@@ -7,6 +7,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from firmware_sim.mitsuba.config import MitsubaScene
+from firmware_sim.scene.coarse import SCALAR_ECONOMY
 from firmware_sim.scene.frame_cache import LIMIT_BYTES, FrameCache, file_bytes
 from firmware_sim.scene.pose import Size
 from firmware_sim.scene.relevance import Relevance
@@ -45,11 +46,20 @@ def _sources_digest() -> str:
     return digest.hexdigest()[:16]
 
 
+def is_slow(variant: str) -> bool:
+    """Tell whether a variant interprets its scenes, which takes many times longer than compiling them."""
+    return variant.startswith("scalar")
+
+
 def note_on(variant: str) -> str:
     """Return what a person should know about a variant, if anything."""
-    if variant.startswith("scalar"):
-        return f"mitsuba renders with {variant}, which is slow; apt-get install libllvm19 makes it many times faster"
-    return ""
+    if not is_slow(variant):
+        return ""
+    shrink, most_samples = SCALAR_ECONOMY
+    return (
+        f"mitsuba renders with {variant}, which is slow: one pixel for {shrink} × {shrink} and at most {most_samples} "
+        "paths a pixel; apt-get install libllvm19 gives whole pictures"
+    )
 
 
 def room_for(size: Size) -> int:
