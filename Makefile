@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= demo-out
 
-.PHONY: setup demo test check docs bench clean
+.PHONY: setup demo test check docs bench oracle clean
 
 setup: $(VENV)/ready
 
@@ -30,6 +30,9 @@ docs: setup
 
 bench: setup
 	$(BIN)/python -m benchmarks.run docs/benchmarks.md
+
+oracle: setup
+	$(BIN)/python -m benchmarks.oracle docs/oracle.md
 
 clean:
 	rm -rf $(VENV) build dist demo-out .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis

@@ -1,5 +1,7 @@
 """`litrig capture …`: sessions."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -7,6 +9,7 @@ import click
 
 if TYPE_CHECKING:
     from acquisition.plans import Plan
+    from litrig.base.progress import Report
 
 RIG = click.argument("rig_toml", metavar="RIG.toml", type=click.Path(path_type=Path))
 OUTPUT = click.option(
@@ -21,6 +24,18 @@ OUTPUT = click.option(
 OBJECT = click.option("--object", "object_id", default="object", show_default=True, help="What stands on the table.")
 
 PAUSED_STATUS = 130
+
+
+@dataclass(frozen=True)
+class Foresight:
+    """Somebody who wants to see a plan before it is shot, such as a simulator that renders ahead; found on the context.
+
+    Attributes
+    ----------
+    announce : called with the plan, and with where to report progress
+    """
+
+    announce: "Callable[[Plan, Report], None]"
 
 
 @click.group()
@@ -72,10 +87,10 @@ def verify(folder: Path) -> None:
     from litrig.base.capture_folder.verify import verify_capture
 
     result = verify_capture(folder)
+    for finding in result.findings:
+        click.echo(f"litrig: {folder}: {finding}", err=True)
     for orphan in result.orphans:
         click.echo(f"{orphan}: shot, but never acknowledged (harmless)")
-    for finding in result.findings:
-        click.echo(f"{folder}: {finding}", err=True)
     if result.findings:
         raise SystemExit(1)
     click.echo(f"{folder}: {result.frames} frames, all as they were captured; the bag is valid")
@@ -88,7 +103,10 @@ def _capture(rig_toml: Path, plan: "Plan", folder: Path, object_id: str, tangent
     from rig.config import read_rig
 
     info = SessionInfo(object_id, tangent_zero_deg)
+    foresight = click.get_current_context().find_object(Foresight)
     with reporting() as report:
+        if foresight is not None:
+            foresight.announce(plan, report)
         complete = run_session(read_rig(rig_toml), plan, folder, info, report=report)
     if not complete:
         click.echo(f"paused; the frames so far are safe in {folder}, the rig stays powered", err=True)

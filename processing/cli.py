@@ -1,6 +1,7 @@
 """`litrig amc …` and `litrig ptm …`: from captured pictures to materials."""
 
 import json
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -23,8 +24,8 @@ _WORST_SHOWN = 3
 def _parse_invariance(_context: click.Context, _option: click.Parameter, word: str) -> "str | int":
     if word in ("auto", "isotropic"):
         return word
-    if not word.isdecimal():
-        raise click.BadParameter(f"{word!r} is neither auto, isotropic nor a whole number")
+    if not re.fullmatch("[0-9]{1,3}", word):
+        raise click.BadParameter(f"{word!r} is neither auto, isotropic nor a whole number of up to three digits")
     return int(word)
 
 
@@ -98,7 +99,7 @@ def build(
 
     if distance is not None and camera is not None:
         raise click.UsageError("--distance and --camera both say how far the camera stands; give one")
-    _check_output(output, ".ktx2")
+    _check_output(output, ".amc.ktx2")
     with reporting() as report:
         result = build_amc(
             read_capture(folder),
@@ -210,7 +211,7 @@ def ptm_info(file: Path, as_json: bool) -> None:
             "colour": "rgb" if material.colour is None else "lrgb",
             "space": material.space,
             "coefficients": {
-                name: [round(float(term.min()), 6), round(float(term.max()), 6)]
+                name: (round(float(term.min()), 6), round(float(term.max()), 6))
                 for name, term in zip(names, material.coefficients, strict=True)
             },
             "source": material.source,
@@ -253,7 +254,7 @@ def _check_output(output: Path, ending: str) -> None:
     """Refuse before the work what could not be written after it."""
     from litrig.base.errors import InputError
 
-    if output.suffix.lower() != ending:
+    if not output.name.lower().endswith(ending):
         raise InputError(
             f"{output}: cannot be written as {output.suffix or 'a name without ending'}; end it in {ending}"
         )
@@ -300,4 +301,9 @@ def _echo_info(facts: dict[str, Any], as_json: bool) -> None:
         click.echo(json.dumps(facts))
         return
     for key, value in facts.items():
-        click.echo(f"{key.replace('_', ' ')}: {value}")
+        if isinstance(value, dict):
+            click.echo(f"{key.replace('_', ' ')}:")
+            for name, (least, most) in value.items():
+                click.echo(f"  {name}: {least:g} to {most:g}")
+        else:
+            click.echo(f"{key.replace('_', ' ')}: {value}")

@@ -196,7 +196,7 @@ def read_rig(path: Path) -> RigConfig:
 
     Raises
     ------
-    ConfigError
+    InputError, ConfigError
         The file is missing, or a key is unknown, missing or out of range; the message names it.
     """
     return read_toml(path, RigConfig)

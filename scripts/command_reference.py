@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from litrig.cli import cli
+from litrig.commands import cli
 
 INTRODUCTION = """# Commands
 

@@ -4,10 +4,12 @@ import re
 from pathlib import Path
 
 import click
+from click.core import ParameterSource
 
 Colour = tuple[float, float, float]
 
 _SIDE_PX = click.IntRange(1, 8192)
+_FOR_A_MESH = frozenset({"projection", "yaw_deg", "pitch_deg", "fov_deg", "zoom", "background", "supersample"})
 
 
 def _background(_context: click.Context, _option: click.Parameter, value: str) -> Colour | None:
@@ -30,7 +32,8 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
     "--light",
     metavar="U V",
     type=(float, float),
-    help="Where a PTM's light comes from, seen from the camera: right and up, U² + V² ≤ 1. An AMC has its light in it.",
+    help="Where a PTM's light comes from, seen from the camera: right and up, U² + V² ≤ 1; -0.4 0.4 if left out. "
+    "An AMC has its light in it.",
 )
 @click.option("--size", "size_px", metavar="W H", type=(_SIDE_PX, _SIDE_PX), help="Pixels; 800 800 if left out.")
 @click.option(
@@ -95,4 +98,16 @@ def render(
     from viewer.view import Projection, View
 
     view = View(Projection(projection), yaw_deg, pitch_deg, fov_deg, zoom)
-    render_file(file, output, Staging(mesh, light, size_px, view, background, supersample))
+    staging = Staging(mesh, light, size_px, view, background, supersample, _given_mesh_options())
+    width, height = render_file(file, output, staging)
+    click.echo(f"{output}: {width} × {height} pixels")
+
+
+def _given_mesh_options() -> tuple[str, ...]:
+    """Name the options that were typed and that say how a mesh is seen."""
+    context = click.get_current_context()
+    return tuple(
+        option.opts[-1]
+        for option in context.command.params
+        if option.name in _FOR_A_MESH and context.get_parameter_source(option.name) is ParameterSource.COMMANDLINE
+    )

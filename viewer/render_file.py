@@ -3,6 +3,9 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from litrig.base.errors import InputError
 from processing.amc.ktx2 import read_levels
 from processing.mesh.builtin import builtin_mesh
@@ -30,6 +33,7 @@ class Staging:
     size_px : width and height; None is 800 by 800, or the PTM's own size if it is flat
     background_srgb : colour behind the object, display values 0..1; None is transparent
     supersample : draw so many times finer and average
+    mesh_options : what was asked for, by its option's name, that means something on a mesh only
     """
 
     mesh: str | None = None
@@ -38,10 +42,11 @@ class Staging:
     view: View = field(default_factory=lambda: View(pitch_deg=30))
     background_srgb: tuple[float, float, float] | None = DARK_GREY
     supersample: int = 3
+    mesh_options: tuple[str, ...] = ()
 
 
-def render_file(file: Path, output: Path, staging: Staging) -> None:
-    """Draw a material file into a picture file.
+def render_file(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
+    """Draw a material file into a picture file, and return its width and height.
 
     Raises
     ------
@@ -52,16 +57,15 @@ def render_file(file: Path, output: Path, staging: Staging) -> None:
     """
     name = file.name.lower()
     if name.endswith(AMC_ENDING):
-        _render_amc(file, output, staging)
-    elif name.endswith(PTM_ENDING) and staging.mesh is None:
-        _render_flat(file, output, staging)
-    elif name.endswith(PTM_ENDING):
-        _render_ptm_on_mesh(file, output, staging)
-    else:
-        raise InputError(f"{file}: unknown ending; give a file that ends in {AMC_ENDING} or {PTM_ENDING}")
+        return _render_amc(file, output, staging)
+    if name.endswith(PTM_ENDING) and staging.mesh is None:
+        return _render_flat(file, output, staging)
+    if name.endswith(PTM_ENDING):
+        return _render_ptm_on_mesh(file, output, staging)
+    raise InputError(f"{file}: unknown ending; give a file that ends in {AMC_ENDING} or {PTM_ENDING}")
 
 
-def _render_amc(file: Path, output: Path, staging: Staging) -> None:
+def _render_amc(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
     if staging.light is not None:
         raise InputError(f"{file}: an AMC was lit when it was captured; leave out the light, turn the object instead")
     mesh = builtin_mesh(staging.mesh or DEFAULT_MESH)
@@ -77,18 +81,23 @@ def _render_amc(file: Path, output: Path, staging: Staging) -> None:
             supersample=staging.supersample,
         )
     save_rendered(output, picture, staging.background_srgb)
+    return _size_of(picture)
 
 
-def _render_flat(file: Path, output: Path, staging: Staging) -> None:
+def _render_flat(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
     if staging.size_px is not None:
         raise InputError(f"{file}: a flat PTM has its own size; leave out the size, or name a mesh")
+    if staging.mesh_options:
+        options = ", ".join(staging.mesh_options)
+        raise InputError(f"{file}: {options} would not change a flat PTM; leave it out, or name a mesh")
     ptm = read_ptm(file)
     with Renderer() as renderer:
         values = renderer.render_ptm(ptm, staging.light or DEFAULT_LIGHT)
     save_flat(output, values, ptm)
+    return _size_of(values)
 
 
-def _render_ptm_on_mesh(file: Path, output: Path, staging: Staging) -> None:
+def _render_ptm_on_mesh(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
     mesh = builtin_mesh(staging.mesh or DEFAULT_MESH)
     ptm = read_ptm(file)
     with Renderer() as renderer:
@@ -101,3 +110,8 @@ def _render_ptm_on_mesh(file: Path, output: Path, staging: Staging) -> None:
             supersample=staging.supersample,
         )
     save_rendered(output, picture, staging.background_srgb)
+    return _size_of(picture)
+
+
+def _size_of(picture: NDArray[np.float32]) -> tuple[int, int]:
+    return picture.shape[1], picture.shape[0]

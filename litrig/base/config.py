@@ -7,6 +7,7 @@ from typing import TypeVar
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from litrig.base.errors import ConfigError
+from litrig.base.files import read_limited
 
 LARGEST_TOML_BYTES = 4_000_000
 
@@ -37,18 +38,21 @@ def read_toml(path: Path, model: type[Model]) -> Model:
 
     Raises
     ------
+    InputError
+        The file is missing, is no file, or cannot be read.
     ConfigError
-        The file is missing, is not TOML, or does not fit the model; every misfit is named by its key.
+        It is not TOML, or does not fit the model; every misfit is named by its key.
     """
+    return parse_toml_bytes(read_limited(path, LARGEST_TOML_BYTES), model, str(path))
+
+
+def parse_toml_bytes(content: bytes, model: type[Model], source: str) -> Model:
+    """Read a model from the bytes of a TOML file; `source` names it in errors."""
     try:
-        if path.stat().st_size > LARGEST_TOML_BYTES:
-            raise ConfigError(f"{path}: larger than {LARGEST_TOML_BYTES:,} bytes; not a configuration file")
-        text = path.read_text(encoding="utf-8")
-    except FileNotFoundError as error:
-        raise ConfigError(f"{path}: no such file; check the path") from error
-    except (OSError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{path}: cannot be read ({error})") from error
-    return parse_toml(text, model, str(path))
+        text = content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{source}: is not UTF-8 text; save it as UTF-8") from error
+    return parse_toml(text, model, source)
 
 
 def _describe(error: ValidationError) -> str:

@@ -44,14 +44,20 @@ class _BarPerJob:
 
 
 class PlainLines:
-    """A line when a job starts, every few seconds while it runs, and when it ends."""
+    """A line when a job starts, every few seconds while it runs, and when it ends.
+
+    When a line cannot be written, it goes quiet: no job dies because nobody hears of it.
+    """
 
     def __init__(self) -> None:
         self._job = ""
         self._started_s = self._last_line_s = 0.0
+        self._quiet = False
 
     def __call__(self, progress: Progress) -> None:
         """Print the step if it is time to."""
+        if self._quiet:
+            return
         now_s = time.monotonic()
         if progress.job != self._job:
             self._job, self._started_s, self._last_line_s = progress.job, now_s, 0.0
@@ -60,8 +66,11 @@ class PlainLines:
         self._last_line_s = now_s
         left = _time_left(progress, now_s - self._started_s)
         note = f"  {progress.note}" if progress.note else ""
-        sys.stderr.write(f"{progress.job}: {progress.done}/{progress.total}{left}{note}\n")
-        sys.stderr.flush()
+        try:
+            sys.stderr.write(f"{progress.job}: {progress.done}/{progress.total}{left}{note}\n")
+            sys.stderr.flush()
+        except OSError:
+            self._quiet = True
 
 
 def _time_left(progress: Progress, elapsed_s: float) -> str:

@@ -4,12 +4,16 @@ The order is that of a database log: write beside, check, fsync, rename, fsync t
 cut in between finds the old file or the new one, never half of it.
 """
 
+import itertools
 import os
+import stat
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from litrig.base.errors import InputError
+
+_temporary_numbers = itertools.count()
 
 
 def sync_folder(folder: Path) -> None:
@@ -28,27 +32,27 @@ def replacing(path: Path) -> Iterator[Path]:
     Raises
     ------
     InputError
-        The folder does not exist or cannot be written. Nothing is left behind, also if the body raises.
+        The folder does not exist, or the file cannot be written. Nothing is left behind, also if the body raises.
     """
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: the folder {path.parent} does not exist; create it first")
-    if path.is_dir():
-        raise InputError(f"{path}: is a folder; name a file")
-    # The ending stays last, since many writers choose their format by it.
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    # Short, for the name may be as long as names can be; its ending stays last, since writers choose formats by it.
+    temporary = path.parent / f".{os.getpid()}-{next(_temporary_numbers)}.part{path.suffix}"
     try:
-        try:
-            yield temporary
-            with temporary.open("rb") as written:
-                os.fsync(written.fileno())
-            temporary.replace(path)
-        except OSError as error:
-            raise InputError(
-                f"{path}: cannot be written ({error.strerror or error}); free space or choose another folder"
-            ) from error
+        if not path.parent.is_dir():
+            raise InputError(f"{path}: the folder {path.parent} does not exist; create it first")
+        if path.is_dir():
+            raise InputError(f"{path}: is a folder; name a file")
+        yield temporary
+        with temporary.open("rb") as written:
+            os.fsync(written.fileno())
+        temporary.replace(path)
         sync_folder(path.parent)
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be written ({error.strerror or error}); free space, or choose another name or folder"
+        ) from error
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):  # nothing was made where the name itself is refused
+            temporary.unlink(missing_ok=True)
 
 
 def write_atomically(path: Path, content: bytes) -> None:
@@ -60,6 +64,36 @@ def write_atomically(path: Path, content: bytes) -> None:
             raise InputError(
                 f"{path}: only {stored} of {len(content)} bytes could be written; free space and try again"
             )
+
+
+def read_limited(path: Path, most_bytes: int) -> bytes:
+    """Read a small file whole, and nothing that has no end.
+
+    Raises
+    ------
+    InputError
+        The file is missing, unreadable, a folder, a device or a pipe, or larger than `most_bytes`.
+    """
+    try:
+        if not stat.S_ISREG(path.stat().st_mode):
+            raise InputError(f"{path}: is a {'folder' if path.is_dir() else 'device or a pipe'}; name a file")
+        with path.open("rb") as file:
+            content = file.read(most_bytes + 1)
+    except FileNotFoundError as error:
+        raise InputError(f"{path}: no such file; check the path") from error
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check the path and its permissions") from error
+    if len(content) > most_bytes:
+        raise InputError(f"{path}: larger than {most_bytes:,} bytes; that is not what is asked for here")
+    return content
+
+
+def decode_text(content: bytes) -> str:
+    """Read text as UTF-8, with or without a byte order mark, else as old Windows programs write it."""
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("cp1252", errors="replace")
 
 
 def resolve_inside(root: Path, relative: str) -> Path:

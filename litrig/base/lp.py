@@ -13,10 +13,11 @@ from pathlib import Path, PureWindowsPath
 import numpy as np
 from numpy.typing import NDArray
 
-from litrig.base.errors import FormatError, InputError
-from litrig.base.files import write_atomically
+from litrig.base.errors import FormatError
+from litrig.base.files import decode_text, read_limited, write_atomically
 
 MOST_LIGHTS = 10_000
+LARGEST_LP_BYTES = 4_000_000
 _SHORTEST = 1e-4
 
 
@@ -43,11 +44,8 @@ def read_lp(path: Path) -> LightDirections:
         The file is missing, a line has no three numbers, a direction has no length, a name stands twice, or the count
         differs from the lines that follow.
     """
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check the path") from error
-    lines = [(number, line.strip()) for number, line in enumerate(_decode(content).splitlines(), 1) if line.strip()]
+    text = decode_text(read_limited(path, LARGEST_LP_BYTES))
+    lines = [(number, line.strip()) for number, line in enumerate(text.splitlines(), 1) if line.strip()]
     if not lines:
         raise FormatError(f"{path}: empty; it should name a light direction for each picture")
     promised = int(lines.pop(0)[1]) if re.fullmatch(r"\d{1,6}", lines[0][1]) else None
@@ -71,13 +69,6 @@ def write_lp(path: Path, lights: LightDirections) -> None:
     for name, (x, y, z) in zip(lights.names, lights.directions, strict=True):
         lines.append(f"{name} {x:.6f} {y:.6f} {z:.6f}")
     write_atomically(path, ("\n".join(lines) + "\n").encode())
-
-
-def _decode(content: bytes) -> str:
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return content.decode("cp1252", errors="replace")
 
 
 def _parse_line(path: Path, number: int, line: str) -> tuple[str, NDArray[np.float64]]:

@@ -4,6 +4,7 @@ Row 0 is the top row. Display-encoded formats (JPEG, PNG, 8-bit and 16-bit TIFF)
 linear. A damaged file is an error: a decoder that paints what is missing grey would pass for a picture.
 """
 
+import struct
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -25,7 +26,11 @@ DISPLAY_ENDINGS = JPEG_ENDINGS | {".png", ".tif", ".tiff"}
 PICTURE_ENDINGS = DISPLAY_ENDINGS | RAW_ENDINGS | {".exr"}
 
 LARGEST_PIXELS = 400_000_000
-_PNG_END = b"IEND\xaeB`\x82"
+_PNG_START, _PNG_END = b"\x89PNG\r\n\x1a\n", b"IEND\xaeB`\x82"
+_PNG_SIZE = struct.Struct(">2L")
+_PNG_SIZE_AT = 16
+
+Codes = NDArray[np.uint8] | NDArray[np.uint16]
 
 
 def is_picture(path: Path) -> bool:
@@ -62,28 +67,31 @@ def read_encoded(path: Path) -> F32:
     return encode_srgb(read_linear(path))
 
 
-def read_codes(path: Path) -> NDArray[np.uint8] | NDArray[np.uint16]:
+def read_codes(path: Path) -> Codes:
     """Read the stored integers of a JPEG, PNG or TIFF, (H, W, 3) uint8 or uint16, RGB."""
     return decode_codes(_read_bytes(path), path.suffix.lower(), str(path))
 
 
-def decode_codes(content: bytes, ending: str, source: str) -> NDArray[np.uint8] | NDArray[np.uint16]:
+def decode_codes(content: bytes, ending: str, source: str) -> Codes:
     """Decode a JPEG, PNG or TIFF as `read_codes` does; `source` names it in errors.
 
     Raises
     ------
     InputError, FormatError
-        The ending is of no such format, or the data are cut short or damaged.
+        The ending is of no such format, or the data are cut short, damaged, or claim too many pixels.
     """
     if ending in JPEG_ENDINGS:
         return decode_jpeg(content, source)
     if ending not in DISPLAY_ENDINGS:
         raise InputError(f"{source}: unknown picture format; use JPEG, PNG, TIFF, EXR or a camera RAW file")
-    if ending == ".png" and _PNG_END not in content[-32:]:
-        raise FormatError(f"{source}: PNG cut short after {len(content)} bytes; copy or shoot it again")
-    codes = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH)
+    if ending == ".png":
+        _check_png(content, source)
+    try:
+        codes = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH)
+    except cv2.error:  # empty, or larger than OpenCV reads
+        codes = None
     if codes is None or codes.dtype not in (np.uint8, np.uint16):
-        raise FormatError(f"{source}: damaged, or not a picture of 8 or 16 bits; copy or shoot it again")
+        raise FormatError(f"{source}: damaged, too large, or not a picture of 8 or 16 bits; copy or shoot it again")
     return cv2.cvtColor(codes, cv2.COLOR_BGR2RGB)  # type: ignore[return-value]  # dtype checked above
 
 
@@ -109,14 +117,16 @@ def write_picture(path: Path, linear: NDArray[np.floating]) -> None:
     ending = path.suffix.lower()
     if ending == ".exr":
         write_exr(path, {"RGB": np.ascontiguousarray(linear, np.float32)}, {"litrig.kind": "picture"})
-    else:
+    elif ending in DISPLAY_ENDINGS:
         write_codes(path, to_u8(encode_srgb(linear)))
+    else:
+        raise InputError(f"{path}: cannot write {ending or 'a file without ending'}; use .png, .jpg, .tif or .exr")
 
 
 def write_codes(path: Path, codes: NDArray[np.integer]) -> None:
     """Write (H, W, 3) RGB, (H, W, 4) RGBA or (H, W) grey integers as they are to PNG, JPEG or TIFF."""
     if path.suffix.lower() not in DISPLAY_ENDINGS:
-        raise InputError(f"{path}: cannot write {path.suffix or 'a file without ending'}; use .png, .jpg, .tif or .exr")
+        raise InputError(f"{path}: cannot write {path.suffix or 'a file without ending'}; use .png, .jpg or .tif")
     order = {3: cv2.COLOR_RGB2BGR, 4: cv2.COLOR_RGBA2BGRA}
     stored = cv2.cvtColor(codes, order[codes.shape[-1]]) if codes.ndim == 3 else codes
     with replacing(path) as temporary:
@@ -131,7 +141,10 @@ def write_exr(path: Path, channels: Mapping[str, F32], header: Mapping[str, Any]
     """Write a single-part OpenEXR; `header` must name `litrig.kind`, so that a reader can tell what it holds."""
     attributes = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage, **header}
     with replacing(path) as temporary:
-        OpenEXR.File(attributes, dict(channels)).write(str(temporary))
+        try:
+            OpenEXR.File(attributes, dict(channels)).write(str(temporary))
+        except RuntimeError as error:  # OpenEXR's word for a disk or folder that refuses
+            raise InputError(f"{path}: cannot be written as EXR; free space, or choose another folder") from error
 
 
 def _read_exr_rgb(path: Path) -> F32:
@@ -177,7 +190,16 @@ def _read_bytes(path: Path, *, only_first: bool = False) -> bytes:
     except FileNotFoundError as error:
         raise InputError(f"{path}: no such file; check the path") from error
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check the path and its permissions") from error
+
+
+def _check_png(content: bytes, source: str) -> None:
+    if _PNG_END not in content[-32:] or len(content) < _PNG_SIZE_AT + _PNG_SIZE.size:
+        raise FormatError(f"{source}: PNG cut short after {len(content)} bytes; copy or shoot it again")
+    if not content.startswith(_PNG_START):
+        raise FormatError(f"{source}: not a PNG; give the file the ending of what it is")
+    width, height = _PNG_SIZE.unpack_from(content, _PNG_SIZE_AT)
+    _refuse_bomb(source, height, width)
 
 
 def _refuse_bomb(source: str, height: int, width: int) -> None:

@@ -20,6 +20,7 @@ from litrig.demo import scenes, sections
 from litrig.demo.pictures import Pictures
 from litrig.demo.scenes import SceneKind
 from litrig.demo.stages import Stages
+from litrig.simulated import render_ahead
 from processing.amc.build import build
 from processing.amc.ktx2 import read_amc, write_amc
 from processing.ptm.fit import fit
@@ -30,6 +31,7 @@ from rig.config import read_rig
 
 MARKER = ".litrig-demo"
 BRUSHED, RELIEF = "brushed", "relief"
+SECONDS_A_RENDERED_FRAME = 0.5
 
 
 @dataclass(frozen=True)
@@ -53,11 +55,14 @@ class DemoSize:
         """Return a size that is done in a quarter of the time."""
         return cls(slices=16, lights=12, table=48, picture=(320, 240))
 
-    def expected_s(self) -> dict[str, float]:
+    def expected_s(self, kind: SceneKind) -> dict[str, float]:
         """Return the stages and roughly what they take on two cores."""
         pixels = self.picture[0] * self.picture[1] / 1e6
+        a_frame = {SceneKind.ANALYTIC: 0.0, SceneKind.MITSUBA: SECONDS_A_RENDERED_FRAME}[kind]
         return {
+            "frames of the brushed sphere": 0.5 + a_frame * self.slices,
             "capture of the brushed sphere": 6 + 0.29 * self.slices,
+            "frames of the relief": 0.5 + a_frame * self.lights,
             "capture of the relief": 9 + 0.54 * self.lights,
             "Anisotropic MatCap": 1 + 0.03 * self.slices,
             "PTM": 0.5 + 0.02 * self.lights,
@@ -74,25 +79,22 @@ def run_demo(folder: Path, size: DemoSize, kind: SceneKind, report: Report) -> P
         The folder holds something that is not an earlier demo.
     """
     _clear(folder)
-    stages = Stages(size.expected_s(), report)
-    names = list(stages.expected_s)
+    stages = Stages(size.expected_s(kind), report)
     brushed, relief = folder / "captures" / BRUSHED, folder / "captures" / RELIEF
     amc_file, ptm_file = folder / f"{BRUSHED}.amc.ktx2", folder / f"{RELIEF}.ptm"
-    with stages.stage(names[0]) as step:
-        _capture(scenes.brushed_sphere(kind), AmcPlan(size.slices), brushed, step)
-    with stages.stage(names[1]) as step:
-        _capture(scenes.relief(kind), PtmPlan(size.lights), relief, step)
-    with stages.stage(names[2]) as step:
+    _capture("brushed sphere", scenes.brushed_sphere(kind), AmcPlan(size.slices), brushed, stages)
+    _capture("relief", scenes.relief(kind), PtmPlan(size.lights), relief, stages)
+    with stages.stage("Anisotropic MatCap") as step:
         result = build(read_capture(brushed), size=size.table, report=step)
         write_amc(amc_file, result.amc)
-    with stages.stage(names[3]) as step:
+    with stages.stage("PTM") as step:
         session = read_capture(relief)
         lights = np.array([frame.light for frame in session.frames])
         stack = Stack.of(session)
         write_ptm(ptm_file, fit(stack, lights, source=session.digest, report=step))
         quality = fit_quality(read_ptm(ptm_file), stack, lights, report=step)
     pictures = Pictures(folder)
-    with stages.stage(names[4]):
+    with stages.stage("renders"):
         parts: list[Section] = [
             sections.captured(pictures, brushed, relief, (size.slices, size.lights)),
             sections.material(pictures, result),
@@ -100,36 +102,49 @@ def run_demo(folder: Path, size: DemoSize, kind: SceneKind, report: Report) -> P
             sections.relit(pictures, read_ptm(ptm_file)),
             sections.residuals(pictures, session, quality),
         ]
-    write_page(folder / "index.html", "litrig demo", _lead(), [*parts, sections.times(stages)])
+    write_page(folder / "index.html", "litrig demo", _lead(kind), [*parts, sections.times(stages)])
     return folder / "index.html"
 
 
 def _clear(folder: Path) -> None:
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        if not (folder / MARKER).is_file():
-            raise InputError(f"{folder}: is not empty, and not an earlier demo; choose another folder with --out")
-        shutil.rmtree(folder)
     try:
+        if folder.exists() and not folder.is_dir():
+            raise InputError(f"{folder}: is a file; choose another folder with --out")
+        if folder.exists() and any(folder.iterdir()):
+            _remove_earlier(folder)
         (folder / "captures").mkdir(parents=True)
     except OSError as error:
         raise InputError(f"{folder}: cannot be created ({error.strerror}); choose another place with --out") from error
     write_atomically(folder / MARKER, b"")
 
 
-def _capture(sim: SimConfig, plan: Plan, folder: Path, report: Report) -> None:
+def _remove_earlier(folder: Path) -> None:
+    if not (folder / MARKER).is_file():
+        raise InputError(f"{folder}: is not empty, and not an earlier demo; choose another folder with --out")
+    if folder.is_symlink():
+        raise InputError(f"{folder}: is a link to an earlier demo; name that folder itself with --out")
+    shutil.rmtree(folder)
+
+
+def _capture(what: str, sim: SimConfig, plan: Plan, folder: Path, stages: Stages) -> None:
     with simulated_rig(sim) as simulated:
+        with stages.stage(f"frames of the {what}") as step:
+            render_ahead(simulated, plan, step)
         config = read_rig(simulated.rig_toml)
         info = SessionInfo(object_id=folder.name)
-        if not capture(config, plan, folder, info, report=report, environment=simulated.environment):
-            raise KeyboardInterrupt
+        with stages.stage(f"capture of the {what}") as step:
+            complete = capture(config, plan, folder, info, report=step, environment=simulated.environment)
+    if not complete:
+        raise KeyboardInterrupt
     findings = verify_capture(folder).findings
     if findings:
         raise InputError(f"{folder}: {findings[0]}")
 
 
-def _lead() -> str:
+def _lead(kind: SceneKind) -> str:
+    light = " What the camera saw was rendered by mitsuba." if kind is SceneKind.MITSUBA else ""
     return (
         "A simulated servo turntable, light arm and camera were driven like real ones. The pictures became an "
         f"Anisotropic MatCap ({BRUSHED}.amc.ktx2) and a polynomial texture map ({RELIEF}.ptm), which lie beside "
-        "this page."
+        f"this page.{light}"
     )

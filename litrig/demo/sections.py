@@ -29,10 +29,10 @@ from processing.ptm.quality import FitQuality
 from viewer.renderer import Renderer
 from viewer.view import View
 
-LIGHTS = ((-0.6, 0.5), (0.65, 0.45), (0.0, -0.75), (0.25, 0.1))
+LIGHTS = ((-0.6, 0.5), (0.65, 0.45), (0.0, -0.75), (-0.35, -0.45))
 VIEWS = {
     "torus": View(yaw_deg=-24, pitch_deg=38, zoom=1.25),
-    "cloth": View(yaw_deg=-18, pitch_deg=24, zoom=1.3),
+    "cloth": View(yaw_deg=-18, pitch_deg=24, zoom=1.2),
 }
 TOUR_FRAMES = 75
 TOUR_RADIUS = 0.72

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from litrig.base.camera_model import CameraModel, sphere_distance_radii
 from litrig.base.capture_folder.capture import Capture, CapturedFrame, Role
+from litrig.base.capture_folder.session_file import LARGEST_ANGLE_DEG
 from litrig.base.errors import InputError
 from litrig.base.progress import Progress, Report, silent
 from litrig.base.table_normals import TableNormal
@@ -88,6 +89,7 @@ def build(
         border, or a value out of range.
     """
     _check_options(size, depth, invariance, threshold)
+    _check_measures(table_normal, distance_radii, tangent_zero_deg)
     paths, tangents_deg = _slices_in_order(capture, tangent_zero_deg)
     highest = check_angles(np.radians(tangents_deg), str(capture.folder))
     stack = Stack(paths, undistortion(camera))
@@ -122,6 +124,14 @@ def _check_options(size: int, depth: int | None, invariance: Literal["auto"] | I
         raise InputError(f"a threshold of {threshold:g}; it is a share, choose 0 to 1")
     if isinstance(invariance, int) and not 1 <= invariance <= 12:
         raise InputError(f"an invariance of {invariance}; choose 1 to 12, isotropic or auto")
+
+
+def _check_measures(table_normal: TableNormal, distance_radii: float | None, tangent_zero_deg: float | None) -> None:
+    SphereView(table_normal, distance_radii)  # refuses a distance that cannot be before the sphere is looked for
+    if tangent_zero_deg is not None and not abs(tangent_zero_deg) <= LARGEST_ANGLE_DEG:
+        raise InputError(
+            f"a tangent at {tangent_zero_deg:g} deg; choose -{LARGEST_ANGLE_DEG:g} to {LARGEST_ANGLE_DEG:g}"
+        )
 
 
 def _slices_in_order(capture: Capture, tangent_zero_deg: float | None) -> tuple[list[Path], F64]:

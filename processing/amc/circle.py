@@ -28,6 +28,7 @@ _SHARES_OF_RADIUS = (0.12, 0.05, 0.02, 0.015)
 # Checkers without a sphere were seen to reach 0.68, spheres in clutter 0.86.
 _LEAST_AGREEMENT, _BEYOND_DOUBT = 0.75, 0.9
 _NEXT_STEP = "give --circle X Y R"
+SMALLEST_RADIUS_PX = 4.0
 
 
 @dataclass(frozen=True)
@@ -42,8 +43,11 @@ class Circle:
         """Return the circle if pictures of this shape (H, W) hold all of it; `source` names them in the error."""
         height, width = shape
         reach = self.radius_px
-        if not reach > 0:
-            raise InputError(f"{source}: a circle of radius {reach:g} px; {_NEXT_STEP} with R above 0")
+        if not reach >= SMALLEST_RADIUS_PX:
+            raise InputError(
+                f"{source}: a circle of radius {reach:g} px shows no material; {_NEXT_STEP} with R of "
+                f"{SMALLEST_RADIUS_PX:g} or more"
+            )
         if not (reach <= self.x_px + 0.5 <= width - reach + 1 and reach <= self.y_px + 0.5 <= height - reach + 1):
             raise InputError(
                 f"{source}: the sphere ({self}) is cut by the border of the {width} × {height} pictures; "
@@ -52,7 +56,7 @@ class Circle:
         return self
 
     def __str__(self) -> str:
-        return f"centre {self.x_px:.2f}, {self.y_px:.2f}, radius {self.radius_px:.2f} px"
+        return f"centre {self.x_px:.6g}, {self.y_px:.6g}, radius {self.radius_px:.6g} px"
 
 
 def find_circle(stack: Stack, report: Report = silent) -> Circle:

@@ -18,6 +18,7 @@ F64 = NDArray[np.float64]
 # The share of the ray's angle β by which the table turns a normal; exact in the plane of normal, ray and axis.
 _SHARE = {TableNormal.CAMERA: 0.0, TableNormal.RECTIFIED: 0.5, TableNormal.VIEW: 1.0}
 _MOST_STEPS, _CLOSE_RAD = 100, 1e-12
+FARTHEST_RADII = 1e6
 
 
 @dataclass(frozen=True)
@@ -34,10 +35,10 @@ class SphereView:
     distance_radii: float | None = None
 
     def __post_init__(self) -> None:
-        if self.distance_radii is not None and not 1 < self.distance_radii < np.inf:
+        if self.distance_radii is not None and not 1 < self.distance_radii <= FARTHEST_RADII:
             raise InputError(
                 f"the camera cannot stand {self.distance_radii:g} radii from the sphere's centre; "
-                "measure again, in radii of the sphere (more than 1)"
+                f"measure again, in radii of the sphere (more than 1, at most {FARTHEST_RADII:g})"
             )
 
     @property

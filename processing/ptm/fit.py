@@ -40,10 +40,11 @@ def fit(
     Raises
     ------
     InputError
-        The lights cannot carry six terms, or are not as many as the pictures.
+        The lights cannot carry six terms, one is not above the horizon, or they are not as many as the pictures.
     """
     if len(light_dirs) != len(stack):
         raise InputError(f"{stack.paths[0].parent}: {len(stack)} pictures but {len(light_dirs)} lights; mend the .lp")
+    _check_above_horizon(stack, light_dirs)
     solver = fitting_matrix(light_dirs).astype(np.float32)
     coefficients = np.zeros((TERMS, *stack.shape, 3), np.float32)
     for index in range(len(stack)):
@@ -55,6 +56,12 @@ def fit(
         return Ptm(coefficients, None, space, source)
     design = design_matrix(light_dirs)
     return Ptm(*_split_in_strips(coefficients, design.T @ design / len(design)), space, source)
+
+
+def _check_above_horizon(stack: Stack, light_dirs: NDArray[np.floating]) -> None:
+    for path, (_, _, z) in zip(stack.paths, light_dirs, strict=True):
+        if z <= 0:
+            raise InputError(f"{path}: its light is not above the horizon (z = {z:g}); mend its line in the .lp")
 
 
 def split_colour(coefficients: F32, gram: F64) -> tuple[F32, F32]:

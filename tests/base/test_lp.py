@@ -44,6 +44,11 @@ def test_a_bad_file_is_refused_with_its_line(tmp_path: Path, content: bytes, mes
         read_lp(path)
 
 
+def test_a_device_is_not_read() -> None:
+    with pytest.raises(InputError, match="/dev/zero: is a device or a pipe; name a file"):
+        read_lp(Path("/dev/zero"))
+
+
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"gone\.lp"):
         read_lp(tmp_path / "gone.lp")

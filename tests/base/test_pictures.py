@@ -1,3 +1,5 @@
+import struct
+import zlib
 from pathlib import Path
 
 import cv2
@@ -120,3 +122,43 @@ def test_opencv_reads_what_is_written(tmp_path: Path, codes: NDArray[np.uint8]) 
     found = cv2.imread(str(tmp_path / "a.png"))
     assert found is not None
     np.testing.assert_array_equal(found[..., ::-1], codes)
+
+
+def bomb_png() -> bytes:
+    """Write a PNG whose header claims 60000 by 60000 pixels, and which is whole otherwise."""
+
+    def chunk(kind: bytes, content: bytes) -> bytes:
+        return struct.pack(">L", len(content)) + kind + content + struct.pack(">L", zlib.crc32(kind + content))
+
+    header = struct.pack(">2L5B", 60000, 60000, 8, 2, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(b"")) + chunk(b"IEND", b"")
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "reason"),
+    [
+        pytest.param("a.png", bomb_png(), "claims 60000 × 60000 pixels", id="a PNG of 3600 megapixels"),
+        pytest.param("a.tif", bomb_png(), "damaged, too large", id="the same, called a TIFF"),
+        pytest.param("a.png", b"GIF89a" + bomb_png(), "not a PNG", id="something else with a PNG's end"),
+        pytest.param("a.png", bomb_png()[:8] + bomb_png()[-12:], "PNG cut short", id="a PNG without a header"),
+        pytest.param("a.tif", b"", "damaged", id="nothing at all"),
+    ],
+)
+def test_a_picture_is_refused_before_it_takes_the_memory(
+    tmp_path: Path, name: str, content: bytes, reason: str
+) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(FormatError, match=f"{name}: .*({reason})"):
+        read_codes(tmp_path / name)
+
+
+def test_an_exr_that_cannot_be_written_is_an_error_with_its_name() -> None:
+    with pytest.raises(InputError, match=r"/proc/a\.exr: cannot be written"):
+        write_picture(Path("/proc/a.exr"), np.zeros((2, 2, 3)))
+
+
+def test_each_writer_names_the_endings_that_it_writes(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"cannot write \.exr; use \.png, \.jpg or \.tif$"):
+        write_codes(tmp_path / "a.exr", np.zeros((2, 2, 3), np.uint8))
+    with pytest.raises(InputError, match=r"cannot write \.xyz; use \.png, \.jpg, \.tif or \.exr$"):
+        write_picture(tmp_path / "a.xyz", np.zeros((2, 2, 3)))

@@ -76,6 +76,7 @@ def test_amc_info_speaks_json(sphere: Path, tmp_path: Path) -> None:
     ("arguments", "message"),
     [
         pytest.param(["--invariance", "often"], "'often' is neither", id="invariance in words"),
+        pytest.param(["--invariance", "9" * 5000], "neither auto, isotropic nor", id="invariance of 5000 digits"),
         pytest.param(["--normal", "sideways"], "sideways", id="no such normal"),
         pytest.param(["--distance", "8", "--camera", "c.toml"], "give one", id="two distances"),
         pytest.param(["--circle", "1", "2"], "3", id="two of three numbers"),
@@ -91,7 +92,8 @@ def test_wrong_usage_is_status_two(arguments: list[str], message: str, sphere: P
     ("name", "message"),
     [
         pytest.param("x.png", r"x\.png: cannot be written as \.png", id="wrong ending"),
-        pytest.param("nowhere/x.ktx2", "nowhere does not exist", id="no such folder"),
+        pytest.param("x.ktx2", r"cannot be written as \.ktx2; end it in \.amc\.ktx2", id="half the ending"),
+        pytest.param("nowhere/x.amc.ktx2", "nowhere does not exist", id="no such folder"),
     ],
 )
 def test_an_output_that_cannot_be_is_refused_before_the_work(
@@ -119,7 +121,10 @@ def test_fit_takes_every_option(relief: Path, tmp_path: Path) -> None:
     assert "over 11 pictures" in result.output
     facts = json.loads(run(ptm, "info", out, "--json").output)
     assert (facts["width"], facts["height"], facts["colour"], facts["space"]) == (24, 24, "rgb", "linear")
-    assert "space: linear" in run(ptm, "info", out).output
+    lines = run(ptm, "info", out).output.splitlines()
+    assert "space: linear" in lines
+    coefficients = lines[lines.index("coefficients:") + 1 :][:6]
+    assert [line.split(":")[0] for line in coefficients] == ["  u2", "  v2", "  uv", "  u", "  v", "  1"]
 
 
 def test_pictures_without_lights_are_refused(sphere: Path, tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ from tests.system.command import litrig
 @pytest.fixture(scope="module")
 def demo(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("demo") / "out"
-    result = litrig("demo", "--out", folder, "--small")
+    result = litrig("demo", "--out", folder, "--small", "--scene", "analytic")
     assert result.returncode == 0, result.stderr
     assert result.stdout.strip() == f"The demo is complete: open {folder / 'index.html'}"
     assert "100/100" in result.stderr

@@ -139,6 +139,21 @@ CASES = [
     ),
     pytest.param(["render", missing("a.amc.ktx2"), "-o", missing("a.png")], "no such file", id="render, no file"),
     pytest.param(["render", file("a.txt", b"x"), "-o", missing("a.png")], "a.txt", id="render, unknown kind"),
+    pytest.param(["rig", "home", "/dev/zero"], "/dev/zero: is a device or a pipe", id="rig home, no end"),
+    pytest.param(["ptm", "fit", RELIEF, "-o", missing("a.ptm"), "--lp", "/dev/zero"], "is a device", id="lp, no end"),
+    pytest.param(
+        ["amc", "build", BRUSHED, "-o", missing(f"{'y' * 300}.amc.ktx2")], "File name too long", id="-o, too long"
+    ),
+    pytest.param(["demo", "--out", missing("y" * 300)], "File name too long", id="demo, name too long"),
+    pytest.param(["demo", "--out", file("mine", b"x")], "mine: is a file", id="demo, a file"),
+    pytest.param(
+        ["amc", "build", BRUSHED, "-o", missing("a.amc.ktx2"), "--circle", "160", "120", "0.01"],
+        "radius 0.01 px",
+        id="amc build, a circle too small",
+    ),
+    pytest.param(
+        ["amc", "build", BRUSHED, "-o", missing("a.amc.ktx2"), "--distance", "1e300"], "1e.300 radii", id="far camera"
+    ),
 ]
 
 

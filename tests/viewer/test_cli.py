@@ -19,6 +19,7 @@ from processing.ptm.ptm_file import read_ptm, write_ptm
 from processing.ptm.relight import relight
 from tests.viewer.analytic import brushed_amc
 from viewer.cli import render
+from viewer.render_file import DEFAULT_LIGHT
 
 SMALL = ["--size", "60", "40", "--supersample", "1"]
 
@@ -35,9 +36,10 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def run(*arguments: str | Path) -> None:
+def run(*arguments: str | Path) -> str:
     """Run the command as the front door does: errors of litrig come through."""
-    CliRunner().invoke(render, [str(argument) for argument in arguments], standalone_mode=False, catch_exceptions=False)
+    words = [str(argument) for argument in arguments]
+    return CliRunner().invoke(render, words, standalone_mode=False, catch_exceptions=False).output
 
 
 def codes(path: Path) -> NDArray[np.uint8]:
@@ -90,6 +92,19 @@ def test_edges_blend_in_light_with_a_coloured_background(files: Path, tmp_path: 
     assert read_linear(tmp_path / "x.exr")[0, 0] == pytest.approx([1, 1, 1])
 
 
+@pytest.mark.parametrize(
+    ("arguments", "size"),
+    [
+        pytest.param(["brushed.amc.ktx2", *SMALL], "60 × 40", id="AMC"),
+        pytest.param(["coin.ptm"], "14 × 9", id="flat PTM"),
+        pytest.param(["coin.ptm", "--mesh", "pillow", *SMALL], "60 × 40", id="PTM on a mesh"),
+    ],
+)
+def test_what_was_written_is_said(files: Path, tmp_path: Path, arguments: list[str], size: str) -> None:
+    out = tmp_path / "x.png"
+    assert run(files / arguments[0], "-o", out, *arguments[1:]) == f"{out}: {size} pixels\n"
+
+
 @pytest.mark.parametrize("light", [(0.3, 0.2), (-0.7, 0.5)], ids=str)
 def test_a_flat_ptm_has_its_own_size_and_its_values_as_codes(
     files: Path, tmp_path: Path, light: tuple[float, float]
@@ -118,6 +133,10 @@ def test_a_ptm_can_be_laid_on_a_mesh(files: Path, tmp_path: Path) -> None:
         pytest.param(["brushed.amc.ktx2", "-o", "x.png", "--light", "0", "0"], "was lit when", id="a light for an AMC"),
         pytest.param(["coin.ptm", "-o", "x.png", "--light", "0.9", "0.9"], "is no direction", id="a light below"),
         pytest.param(["coin.ptm", "-o", "x.png", "--size", "9", "9"], "has its own size", id="a size for a flat PTM"),
+        pytest.param(
+            ["coin.ptm", "-o", "x.png", "--yaw", "0"], "--yaw would not change a flat", id="a turn of a flat PTM"
+        ),
+        pytest.param(["coin.ptm", "-o", f"{'x' * 300}.png"], "File name too long", id="a name too long"),
         pytest.param(["brushed.amc.ktx2", "-o", "x.png", "--fov", "170"], "outside 1..120", id="a field of view"),
         pytest.param(
             ["brushed.amc.ktx2", "-o", "x.jpg", "--background", "transparent"], "cannot be transparent", id="clear JPEG"
@@ -145,6 +164,11 @@ def test_what_cannot_be_is_one_clear_error(
 )
 def test_wrong_usage_is_the_parsers_affair(arguments: list[str]) -> None:
     assert CliRunner().invoke(render, arguments).exit_code == 2
+
+
+def test_the_light_in_the_help_is_the_one_that_is_taken() -> None:
+    words = " ".join(f"{part:g}" for part in DEFAULT_LIGHT)
+    assert f"{words} if left out" in " ".join(CliRunner().invoke(render, ["--help"]).output.split())
 
 
 def test_the_help_has_an_example() -> None:

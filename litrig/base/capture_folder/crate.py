@@ -25,7 +25,7 @@ _MEDIA_TYPES = {
 
 
 def write_crate(folder: Path, *, name: str, started: str, ended: str, version: str, instruments: Iterable[str]) -> None:
-    """Describe what lies in `folder` now; called at every pause and at the end."""
+    """Describe what lies in `folder` now, at the end of a session."""
     data = folder / "data"
     files = sorted(path for path in data.rglob("*") if path.is_file() and path != folder / layout.CRATE)
     frames = [path for path in files if path.is_relative_to(folder / layout.FRAMES)]

@@ -32,11 +32,10 @@ class Journal:
         self,
         path: Path,
         *,
-        next_seq: int = 0,
         wall_clock: Callable[[], str] = _wall_clock,
         monotonic_ns: Callable[[], int] = time.monotonic_ns,
     ) -> None:
-        self._seq = next_seq
+        self._seq = 0
         self._wall_clock = wall_clock
         self._monotonic_ns = monotonic_ns
         created = not path.exists()

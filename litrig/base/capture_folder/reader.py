@@ -1,13 +1,13 @@
 """Reading what was captured: a session's folder, or a plain folder of pictures with their poses beside.
 
-A plain folder holds pictures and an `.lp` (one light direction a picture) or an `angles.csv` (`name,deg`), paired by
-file name. What such a list does not name is left alone; what it names and is not there is an error.
+A plain folder holds pictures and an `.lp` (one light direction a picture), an `angles.csv` (`name,deg`), or both,
+paired by file name. What such a list does not name is left alone; what it names and is not there is an error.
 """
 
 import csv
 import hashlib
-import tomllib
-from collections.abc import Iterable
+import io
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,13 +17,16 @@ import numpy as np
 from litrig.base.capture_folder import layout
 from litrig.base.capture_folder.bag import sha256_of
 from litrig.base.capture_folder.capture import Capture, CapturedFrame, Role
+from litrig.base.capture_folder.frame_line import check_frame_lines
 from litrig.base.capture_folder.journal import Entry, read_journal
+from litrig.base.capture_folder.session_file import LARGEST_ANGLE_DEG, read_session_file
 from litrig.base.errors import FormatError, InputError
-from litrig.base.files import resolve_inside
+from litrig.base.files import decode_text, read_limited, resolve_inside
 from litrig.base.lp import LightDirections, read_lp
 from litrig.base.pictures import is_picture
 
 ANGLES = "angles.csv"
+LARGEST_ANGLES_BYTES = 4_000_000
 
 
 def read_capture(folder: Path) -> Capture:
@@ -33,7 +36,7 @@ def read_capture(folder: Path) -> Capture:
     ------
     InputError, FormatError
         The folder is missing, holds no picture, names a picture that is not there, or a frame is not the one that was
-        captured (its digest differs from the journal's).
+        captured (its digest differs from the journal's). So with a session's settings, and a list that cannot be read.
     """
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder; check the path")
@@ -44,7 +47,7 @@ def good_frames(entries: Iterable[Entry]) -> list[Entry]:
     """Pick from a journal the frame that counts for each step: the last good one."""
     latest: dict[Any, Entry] = {}
     for entry in entries:
-        if entry["ev"] == "frame" and entry.get("verdict") == "good":
+        if entry.get("ev") == "frame" and entry.get("verdict") == "good":
             latest[entry["step"]] = entry
     return [latest[step] for step in sorted(latest)]
 
@@ -68,16 +71,18 @@ def pair_lights(capture: Capture, lights: LightDirections, source: Path) -> Capt
 
 
 def _read_session(folder: Path) -> Capture:
-    entries = good_frames(read_journal(folder / layout.JOURNAL))
+    journal = read_journal(folder / layout.JOURNAL)
+    check_frame_lines(journal, folder / layout.JOURNAL)
+    entries = good_frames(journal)
     if not entries:
         raise InputError(f"{folder}: the session holds no good frame; capture it again")
-    settings = _read_settings(folder)
+    settings = read_session_file(folder, journal)
     return Capture(
         folder=folder,
-        object_id=str(settings.get("session", {}).get("object", folder.name)),
+        object_id=settings.session.object or folder.name,
         frames=tuple(_session_frame(folder, entry) for entry in entries),
-        tangent_zero_deg=float(settings.get("session", {}).get("tangent_zero_deg", 0.0)),
-        sphere_distance_radii=settings.get("rig", {}).get("sample", {}).get("sphere_distance_radii"),
+        tangent_zero_deg=settings.session.tangent_zero_deg,
+        sphere_distance_radii=settings.rig.sample.sphere_distance_radii,
         digest=_digest((Path(entry["file"]).name, entry["sha256"]) for entry in entries),
     )
 
@@ -98,14 +103,6 @@ def _session_frame(folder: Path, entry: Entry) -> CapturedFrame:
     )
 
 
-def _read_settings(folder: Path) -> dict[str, Any]:
-    path = folder / layout.SESSION
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise FormatError(f"{path}: cannot be read ({error}); restore it from a copy") from error
-
-
 def _read_plain(folder: Path) -> Capture:
     pictures = sorted(path for path in folder.iterdir() if path.is_file() and is_picture(path))
     if not pictures:
@@ -115,32 +112,49 @@ def _read_plain(folder: Path) -> Capture:
     lists = sorted(folder.glob("*.lp"))
     if len(lists) > 1:
         raise InputError(f"{folder}: holds {_some([path.name for path in lists])}; keep one .lp, or name it with --lp")
+    angles = _read_angles(folder / ANGLES, {path.name for path in pictures}) if (folder / ANGLES).exists() else {}
     if lists:
-        return pair_lights(capture, read_lp(lists[0]), lists[0])
-    if (folder / ANGLES).is_file():
-        return _pair_angles(capture, folder / ANGLES)
+        # The .lp says which pictures are meant; the angles of any others are left alone like their pictures.
+        lit = pair_lights(capture, read_lp(lists[0]), lists[0])
+        return replace(capture, frames=tuple(_turned(frame, angles) for frame in lit.frames))
+    if angles:
+        frames = {frame.path.name: frame for frame in capture.frames}
+        return replace(capture, frames=tuple(_turned(frames[name], angles) for name in angles))
     return capture
 
 
-def _pair_angles(capture: Capture, path: Path) -> Capture:
-    frames = {frame.path.name: frame for frame in capture.frames}
-    paired: dict[str, CapturedFrame] = {}
-    with path.open(newline="", encoding="utf-8-sig") as file:
-        for number, row in enumerate(csv.reader(file), 1):
-            if not row or row[0].strip() == "name":
-                continue
-            try:
-                name, angle_deg = row[0].strip(), float(row[1])
-            except (IndexError, ValueError) as error:
-                raise FormatError(
-                    f"{path}, line {number}: expected `name,deg`, found {','.join(row)[:60]!r}"
-                ) from error
-            if name not in frames:
-                raise InputError(f"{path}, line {number}: {name} is not in the folder; copy it or mend the name")
-            if name in paired:
-                raise FormatError(f"{path}, line {number}: {name} stands twice; keep one line a picture")
-            paired[name] = replace(frames[name], angle_deg=angle_deg)
-    return replace(capture, frames=tuple(paired.values()))
+def _turned(frame: CapturedFrame, angles_deg: Mapping[str, float]) -> CapturedFrame:
+    return replace(frame, angle_deg=angles_deg.get(frame.path.name))
+
+
+def _read_angles(path: Path, pictures: Collection[str]) -> dict[str, float]:
+    """Read turntable angles in degrees by picture name, in the file's order."""
+    angles_deg: dict[str, float] = {}
+    for place, name, angle_deg in _angle_rows(path):
+        if name not in pictures:
+            raise InputError(f"{place}: {name} is not in the folder; copy it or mend the name")
+        if name in angles_deg:
+            raise FormatError(f"{place}: {name} stands twice; keep one line a picture")
+        angles_deg[name] = angle_deg
+    return angles_deg
+
+
+def _angle_rows(path: Path) -> Iterator[tuple[str, str, float]]:
+    """Yield where a row stands, its picture and its angle."""
+    rows = csv.reader(io.StringIO(decode_text(read_limited(path, LARGEST_ANGLES_BYTES)), newline=""))
+    try:
+        for row in rows:
+            if row and row[0].strip() != "name":
+                yield f"{path}, line {rows.line_num}", *_parse_row(row)
+    except (csv.Error, IndexError, ValueError) as error:
+        raise FormatError(f"{path}, line {rows.line_num}: expected `name,deg` ({error}); mend that line") from error
+
+
+def _parse_row(row: list[str]) -> tuple[str, float]:
+    name, angle_deg = row[0].strip(), float(row[1])
+    if not abs(angle_deg) <= LARGEST_ANGLE_DEG:
+        raise ValueError(f"{angle_deg:g} is outside ±{LARGEST_ANGLE_DEG:g} deg")
+    return name, angle_deg
 
 
 def _digest(items: Iterable[tuple[str, str]]) -> str:

@@ -5,7 +5,9 @@ from pathlib import Path
 
 from litrig.base.capture_folder import layout
 from litrig.base.capture_folder.bag import bag_findings, sha256_of
+from litrig.base.capture_folder.frame_line import check_frame_lines
 from litrig.base.capture_folder.journal import Entry, read_journal
+from litrig.base.capture_folder.session_file import is_as_begun
 from litrig.base.errors import InputError, LitrigError
 from litrig.base.files import resolve_inside
 
@@ -33,21 +35,22 @@ def verify_capture(folder: Path) -> Verification:
 
     Raises
     ------
-    InputError
-        It is not a capture folder.
+    InputError, FormatError
+        It is not a capture folder, or its journal is damaged beyond a torn last line.
     """
     if not layout.is_capture_folder(folder):
         raise InputError(f"{folder}: not a capture folder (no {layout.JOURNAL}); name the folder given to capture -o")
-    entries = [entry for entry in read_journal(folder / layout.JOURNAL) if entry["ev"] == "frame"]
-    findings = [finding for entry in entries if (finding := _frame_finding(folder, entry))]
-    closed = layout.is_closed(folder)
-    if closed:
-        findings += bag_findings(folder)
-    else:
-        findings.append("the session was not closed: the bag has no manifest yet")
+    journal = read_journal(folder / layout.JOURNAL)
+    check_frame_lines(journal, folder / layout.JOURNAL)
+    entries = [entry for entry in journal if entry["ev"] == "frame"]
+    wrong = {entry["file"]: finding for entry in entries if (finding := _frame_finding(folder, entry))}
+    if finding := _session_finding(folder, journal):
+        wrong[layout.SESSION] = finding
+    findings = [f"{file}: {finding}" for file, finding in wrong.items()]
+    findings += _tag_findings(folder) or bag_findings(folder, wrong)
     named = {entry["file"] for entry in entries}
     found = {path.relative_to(folder).as_posix() for path in (folder / layout.FRAMES).glob("*")}
-    return Verification(len(entries), closed, tuple(findings), tuple(sorted(found - named)))
+    return Verification(len(entries), layout.is_closed(folder), tuple(findings), tuple(sorted(found - named)))
 
 
 def _frame_finding(folder: Path, entry: Entry) -> str:
@@ -56,7 +59,21 @@ def _frame_finding(folder: Path, entry: Entry) -> str:
     except LitrigError as error:
         return str(error)
     if not path.is_file():
-        return f"{entry['file']}: in the journal, not on the disk"
-    if sha256_of(path) != entry["sha256"]:
-        return f"{entry['file']}: changed since it was captured"
-    return ""
+        return "in the journal, not on the disk"
+    return "" if sha256_of(path) == entry["sha256"] else "changed since it was captured"
+
+
+def _session_finding(folder: Path, journal: list[Entry]) -> str:
+    path = folder / layout.SESSION
+    if not path.is_file():
+        return "not on the disk"
+    return "" if is_as_begun(path.read_bytes(), journal) else "changed since the session began"
+
+
+def _tag_findings(folder: Path) -> list[str]:
+    """Say what keeps the bag from being checked: the last files of a session, all of them or some."""
+    tags = (layout.MANIFEST, layout.TAG_MANIFEST)
+    missing = [name for name in tags if not (folder / name).is_file()]
+    if len(missing) == len(tags):
+        return ["the session was not closed: the bag has no manifest yet"]
+    return [f"{name}: missing, so that the bag is not complete; restore it from a copy" for name in missing]

@@ -7,7 +7,9 @@ journal; only then does it count. A kill or a power cut at any instant leaves at
 import hashlib
 import json
 import re
+import shutil
 from collections.abc import Iterable, Mapping
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, Self
 
@@ -51,23 +53,22 @@ class CaptureFolderWriter:
         Raises
         ------
         InputError
-            The folder holds something, or cannot be written.
+            The folder holds something, or cannot be written; nothing is left behind.
         """
         check_free(folder)
-        try:
-            for name in (layout.FRAMES, layout.THUMBS):
-                (folder / name).mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(f"{folder}: cannot be created ({error.strerror}); choose another place") from error
+        absent = [place for place in (folder, *folder.parents) if not place.exists()]
         settings = tomli_w.dumps(session).encode()
-        write_atomically(folder / layout.BAGIT, layout.BAGIT_DECLARATION.encode())
-        write_atomically(folder / layout.SESSION, settings)
-        steps = "".join(json.dumps(step, ensure_ascii=False) + "\n" for step in plan)
-        write_atomically(folder / layout.PLAN, steps.encode())
-        for made in (folder / "data", folder, folder.parent):
-            sync_folder(made)
-        writer = cls(folder, Journal(folder / layout.JOURNAL), object_id)
-        writer.record("session", object=object_id, session_sha256=hashlib.sha256(settings).hexdigest())
+        with ExitStack() as undo:
+            undo.callback(_take_back, folder, absent)
+            try:
+                _lay_out(folder, settings, plan)
+                journal = Journal(folder / layout.JOURNAL)
+            except OSError as error:
+                raise InputError(f"{folder}: cannot be created ({error.strerror}); choose another place") from error
+            undo.callback(journal.close)
+            writer = cls(folder, journal, object_id)
+            writer.record("session", object=object_id, session_sha256=hashlib.sha256(settings).hexdigest())
+            undo.pop_all()
         return writer
 
     def __enter__(self) -> Self:
@@ -120,10 +121,11 @@ class CaptureFolderWriter:
         close_bag(self.folder, self._digests, info)
 
     def _write_thumb(self, name: str, thumbnail: U8) -> None:
-        # Convenience, not truth: no fsync, and no word of it in the journal.
+        # Convenience, not truth: no fsync, no word of it in the journal, and no session fails for want of one.
         good, encoded = cv2.imencode(".jpg", cv2.cvtColor(thumbnail, cv2.COLOR_RGB2BGR))
-        if good:
-            (self.folder / layout.THUMBS / Path(name).with_suffix(".jpg").name).write_bytes(encoded.tobytes())
+        with suppress(OSError):
+            if good:
+                (self.folder / layout.THUMBS / Path(name).with_suffix(".jpg").name).write_bytes(encoded.tobytes())
 
 
 def check_free(folder: Path) -> None:
@@ -132,10 +134,35 @@ def check_free(folder: Path) -> None:
     Raises
     ------
     InputError
-        The folder is not empty, or its name cannot serve as a session's.
+        It is a file, the folder is not empty, or there can be none of that name.
     """
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise InputError(f"{folder}: exists and is not empty; a session needs a folder of its own, choose another name")
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise InputError(f"{folder}: is a file; a session needs a folder of its own, choose another name")
+        if folder.exists() and any(folder.iterdir()):
+            raise InputError(f"{folder}: is not empty; a session needs a folder of its own, choose another name")
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be a session's folder ({error.strerror}); choose another name") from error
+
+
+def _lay_out(folder: Path, settings: bytes, plan: Iterable[Mapping[str, Any]]) -> None:
+    for name in (layout.FRAMES, layout.THUMBS):
+        (folder / name).mkdir(parents=True, exist_ok=True)
+    write_atomically(folder / layout.BAGIT, layout.BAGIT_DECLARATION.encode())
+    write_atomically(folder / layout.SESSION, settings)
+    steps = "".join(json.dumps(step, ensure_ascii=False) + "\n" for step in plan)
+    write_atomically(folder / layout.PLAN, steps.encode())
+    for made in (folder / "data", folder, folder.parent):
+        sync_folder(made)
+
+
+def _take_back(folder: Path, absent: Iterable[Path]) -> None:
+    """Remove what stands in a folder that was empty, and the folders that were not there, the innermost first."""
+    with suppress(OSError):
+        shutil.rmtree(folder / "data", ignore_errors=True)
+        (folder / layout.BAGIT).unlink(missing_ok=True)
+        for place in absent:
+            place.rmdir()
 
 
 def check_object_id(object_id: str) -> str:

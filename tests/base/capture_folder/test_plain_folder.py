@@ -31,6 +31,29 @@ def test_angles_are_paired_by_name(folder: Path) -> None:
     assert [(frame.path.name, frame.angle_deg) for frame in frames] == [("b.png", 10.5), ("a.png", 0)]
 
 
+def test_angles_are_read_as_old_windows_programs_write_them(folder: Path) -> None:
+    (folder / "a.png").rename(folder / "grün.png")
+    (folder / "angles.csv").write_bytes("grün.png,1\r\nb.png,2\r\n".encode("cp1252"))
+    assert [(frame.path.name, frame.angle_deg) for frame in read_capture(folder).frames] == [
+        ("grün.png", 1),
+        ("b.png", 2),
+    ]
+
+
+def test_lights_and_angles_are_paired_both(folder: Path) -> None:
+    (folder / "x.lp").write_text("2\nb.png 0 0 1\na.png 1 0 0\n")
+    (folder / "angles.csv").write_text("a.png,30\nb.png,60\nmask.png,90\n")
+    frames = read_capture(folder).frames
+    assert [(frame.path.name, frame.angle_deg) for frame in frames] == [("b.png", 60), ("a.png", 30)]
+    assert all(frame.light is not None for frame in frames)
+
+
+def test_a_list_that_is_a_folder_is_refused(folder: Path) -> None:
+    (folder / "angles.csv").mkdir()
+    with pytest.raises(InputError, match=r"angles\.csv: is a folder; name a file"):
+        read_capture(folder)
+
+
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
@@ -38,10 +61,15 @@ def test_angles_are_paired_by_name(folder: Path) -> None:
         pytest.param("angles.csv", "c.png,1\n", r"line 1: c\.png is not in the folder", id="missing slice"),
         pytest.param("angles.csv", "a.png,1\na.png,2\n", r"line 2: a\.png stands twice", id="slice twice"),
         pytest.param("angles.csv", "a.png;1\n", r"line 1: expected `name,deg`", id="wrong separator"),
+        pytest.param("angles.csv", "a.png,0\nb.png,nan\n", "line 2: .*nan is outside ±3600", id="no number"),
+        pytest.param("angles.csv", "a.png,1e300\n", r"line 1: .*1e\+300 is outside ±3600", id="beyond all turns"),
+        pytest.param("angles.csv", 'a.png,"' + "9" * 140_000, "expected `name,deg`", id="a field without end"),
+        pytest.param("angles.csv", b"\xff\xd8\xff\xe0\0\x10JFIF", "expected `name,deg`", id="a picture"),
+        pytest.param("x.lp", b"\xff\xd8\xff\xe0\0\x10JFIF", "expected `name x y z`", id="a picture for an .lp"),
     ],
 )
-def test_a_list_that_does_not_fit_names_the_culprit(folder: Path, name: str, text: str, message: str) -> None:
-    (folder / name).write_text(text)
+def test_a_list_that_does_not_fit_names_the_culprit(folder: Path, name: str, text: str | bytes, message: str) -> None:
+    (folder / name).write_bytes(text.encode() if isinstance(text, str) else text)
     with pytest.raises((InputError, FormatError), match=message):
         read_capture(folder)
 

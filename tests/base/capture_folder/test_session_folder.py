@@ -1,7 +1,11 @@
 """A session's folder from its first second to the closed bag, and back."""
 
+import errno
 import json
+import os
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import bagit
 import numpy as np
@@ -10,7 +14,7 @@ import simplejpeg
 from rocrate.rocrate import ROCrate
 
 from litrig.base.capture_folder import layout
-from litrig.base.capture_folder.journal import read_journal
+from litrig.base.capture_folder.journal import encode_entry, read_journal
 from litrig.base.capture_folder.reader import read_capture
 from litrig.base.capture_folder.verify import verify_capture
 from litrig.base.capture_folder.writer import CaptureFolderWriter
@@ -148,3 +152,126 @@ def test_the_journal_cannot_name_files_outside_the_folder(tmp_path: Path) -> Non
     with pytest.raises(InputError, match="outside itself"):
         read_capture(tmp_path / "s")
     assert "outside itself" in verify_capture(tmp_path / "s").findings[0]
+
+
+def changed_frame(folder: Path) -> None:
+    (folder / layout.FRAMES / "000001.jpg").write_bytes(b"x")
+
+
+def missing_frame(folder: Path) -> None:
+    (folder / layout.FRAMES / "000001.jpg").unlink()
+
+
+def changed_settings(folder: Path) -> None:
+    with (folder / layout.SESSION).open("a") as file:
+        file.write("# a word more\n")
+
+
+@pytest.mark.parametrize(
+    ("harm", "finding"),
+    [
+        pytest.param(changed_frame, "data/frames/000001.jpg: changed since it was captured", id="changed frame"),
+        pytest.param(missing_frame, "data/frames/000001.jpg: in the journal, not on the disk", id="missing frame"),
+        pytest.param(changed_settings, "data/session.toml: changed since the session began", id="changed settings"),
+        pytest.param(
+            lambda folder: (folder / layout.SESSION).unlink(), "data/session.toml: not on the disk", id="no settings"
+        ),
+        pytest.param(
+            lambda folder: (folder / layout.TAG_MANIFEST).unlink(),
+            "tagmanifest-sha256.txt: missing, so that the bag is not complete; restore it from a copy",
+            id="no tag manifest",
+        ),
+        pytest.param(
+            lambda folder: (folder / layout.MANIFEST).unlink(),
+            "manifest-sha256.txt: missing, so that the bag is not complete; restore it from a copy",
+            id="no manifest",
+        ),
+    ],
+)
+def test_each_harm_is_found_once(tmp_path: Path, harm: Any, finding: str) -> None:
+    shoot(tmp_path / "s")
+    harm(tmp_path / "s")
+    assert verify_capture(tmp_path / "s").findings == (finding,)
+
+
+def test_changed_settings_are_not_relied_on(tmp_path: Path) -> None:
+    shoot(tmp_path / "s")
+    changed_settings(tmp_path / "s")
+    with pytest.raises(FormatError, match=r"session\.toml: changed since the session began"):
+        read_capture(tmp_path / "s")
+
+
+@pytest.mark.parametrize(
+    ("session", "reason"),
+    [
+        pytest.param({"session": 3}, "session: Input should be a valid dictionary", id="no table"),
+        pytest.param({"session": {"tangent_zero_deg": "x"}}, "session.tangent_zero_deg: .*number", id="tangent"),
+        pytest.param({"session": {"tangent_zero_deg": 1e300}}, "session.tangent_zero_deg: .*3600", id="far tangent"),
+        pytest.param({"rig": {"sample": {"sphere_distance_radii": "x"}}}, "sphere_distance_radii: ", id="distance"),
+    ],
+)
+def test_settings_of_the_wrong_kind_are_named(tmp_path: Path, session: Mapping[str, Any], reason: str) -> None:
+    with CaptureFolderWriter.create(tmp_path / "s", "coin", session, []) as writer:
+        writer.add_frame("a.jpg", jpeg(1), np.zeros((6, 8, 3), np.uint8), step=0, verdict="good")
+    with pytest.raises(InputError, match=rf"session\.toml: .*{reason}"):
+        read_capture(tmp_path / "s")
+
+
+@pytest.mark.parametrize(
+    ("entry", "reason"),
+    [
+        pytest.param({}, "names no event", id="no event"),
+        pytest.param(
+            {"ev": "frame", "step": 0, "sha256": "0", "verdict": "good"}, "file: Field required", id="no file"
+        ),
+        pytest.param({"ev": "frame", "step": 0, "file": "a", "sha256": "0", "role": "x"}, "role: ", id="unknown role"),
+        pytest.param({"ev": "frame", "step": 0, "file": "a", "sha256": "0", "light": [1]}, "light", id="half a light"),
+        pytest.param(
+            {"ev": "frame", "step": 0, "file": "a", "sha256": "0", "pose_after": 4}, "pose_after", id="no pose"
+        ),
+    ],
+)
+def test_a_whole_line_that_says_too_little_is_named(tmp_path: Path, entry: Mapping[str, Any], reason: str) -> None:
+    shoot(tmp_path / "s", close=False)
+    with (tmp_path / "s" / layout.JOURNAL).open("ab") as journal:
+        journal.write(encode_entry({"seq": 4, **entry}))
+    for read in (read_capture, verify_capture):
+        with pytest.raises(FormatError, match=rf"journal\.jsonl, line 5: .*{reason}"):
+            read(tmp_path / "s")
+
+
+def full_disk() -> Iterator[Mapping[str, Any]]:
+    yield {"step": 0}
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+@pytest.mark.parametrize("stood", [False, True], ids=["absent before", "empty before"])
+def test_a_disk_that_is_full_at_the_start_leaves_nothing(tmp_path: Path, stood: bool) -> None:
+    if stood:
+        (tmp_path / "new").mkdir()
+    before = sorted(tmp_path.rglob("*"))
+    with pytest.raises(InputError, match="No space left"):
+        CaptureFolderWriter.create(tmp_path / "new" if stood else tmp_path / "new" / "s", "coin", {}, full_disk())
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_thumbnail_that_cannot_be_written_fails_no_session(tmp_path: Path) -> None:
+    with CaptureFolderWriter.create(tmp_path / "s", "coin", {}, []) as writer:
+        (tmp_path / "s" / layout.THUMBS).rmdir()
+        writer.add_frame("a.jpg", jpeg(1), np.zeros((6, 8, 3), np.uint8), step=0, verdict="good")
+    assert len(read_capture(tmp_path / "s").frames) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        pytest.param("file", "is a file; a session needs a folder", id="a file"),
+        pytest.param("y" * 300, "File name too long", id="a name too long"),
+        pytest.param("file/x", "cannot be created .Not a directory", id="below a file"),
+    ],
+)
+def test_a_folder_that_cannot_be_is_refused(tmp_path: Path, name: str, reason: str) -> None:
+    (tmp_path / "file").write_bytes(b"mine")
+    with pytest.raises(InputError, match=reason):
+        shoot(tmp_path / name)
+    assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [("file", b"mine")]

@@ -203,11 +203,21 @@ def test_the_sessions_distance_is_used_unless_overruled(folders: Folders) -> Non
         pytest.param({"depth": 0}, "depth of 0", id="no slice"),
         pytest.param({"invariance": 0}, "invariance of 0", id="repeats never"),
         pytest.param({"threshold": 5.0}, "threshold of 5", id="threshold in percent"),
+        pytest.param({"tangent_zero_deg": float("nan")}, "tangent at nan deg", id="tangent that is no number"),
+        pytest.param({"tangent_zero_deg": 1e300}, r"tangent at 1e\+300 deg", id="tangent beyond all turns"),
     ],
 )
 def test_wrong_options_are_refused(folders: Folders, options: dict[str, Any], reason: str) -> None:
     with pytest.raises(InputError, match=reason):
         build_there(folders.shoot("2"), **options)
+
+
+@pytest.mark.parametrize("wrong", [{"distance_radii": 1e300}, {"tangent_zero_deg": 1e300}, {"threshold": 2.0}], ids=str)
+def test_wrong_measures_are_refused_before_a_picture_is_read(folders: Folders, wrong: dict[str, float]) -> None:
+    steps: list[Progress] = []
+    with pytest.raises(InputError):
+        build(folders.shoot("2"), report=steps.append, **wrong)  # type: ignore[arg-type]  # a float each
+    assert steps == []
 
 
 def test_a_frame_without_an_angle_is_named(folders: Folders) -> None:

@@ -70,9 +70,16 @@ def test_a_sphere_cut_by_the_border_is_refused(circle: Circle) -> None:
         circle.inside((80, 100), "shots")
 
 
-def test_a_circle_without_a_radius_is_refused() -> None:
-    with pytest.raises(InputError, match="radius 0"):
-        Circle(50, 50, 0).inside((100, 100), "shots")
+@pytest.mark.parametrize("radius_px", [0, -5, 0.01, 3.9])
+def test_a_circle_too_small_for_a_table_is_refused(radius_px: float) -> None:
+    with pytest.raises(InputError, match=f"radius {radius_px} px.*4 or more"):
+        Circle(50, 50, radius_px).inside((100, 100), "shots")
+
+
+def test_an_absurd_circle_is_refused_in_a_few_words() -> None:
+    with pytest.raises(InputError, match=r"radius 1e\+300 px") as caught:
+        Circle(50, 50, 1e300).inside((100, 100), "shots")
+    assert len(str(caught.value)) < 300
 
 
 def test_a_sphere_that_is_all_seen_is_kept() -> None:

@@ -64,8 +64,8 @@ def test_without_perspective_a_normal_is_seen_at_its_sine() -> None:
     assert view.image_radius(angles) == pytest.approx(np.sin(angles))
 
 
-@pytest.mark.parametrize("distance", [1.0, 0.0, -3.0, math.nan, math.inf])
-def test_a_camera_inside_the_sphere_is_refused(distance: float) -> None:
+@pytest.mark.parametrize("distance", [1.0, 0.0, -3.0, math.nan, math.inf, 1e300])
+def test_a_camera_inside_the_sphere_or_beyond_all_measure_is_refused(distance: float) -> None:
     with pytest.raises(InputError, match="radii"):
         SphereView(TableNormal.RECTIFIED, distance)
 

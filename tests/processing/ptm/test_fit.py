@@ -127,6 +127,14 @@ def test_lights_and_pictures_must_be_as_many(relief: Stack) -> None:
         fit(relief, LIGHTS[:-1])
 
 
+@pytest.mark.parametrize("z", [0.0, -0.3])
+def test_a_light_that_is_not_above_the_horizon_is_named(relief: Stack, z: float) -> None:
+    lights = LIGHTS.copy()
+    lights[3, 2] = z
+    with pytest.raises(InputError, match=f"{relief.paths[3].name}: its light is not above the horizon .z = {z:g}"):
+        fit(relief, lights)
+
+
 def test_residuals_are_the_error_of_each_pixel(relief: Stack) -> None:
     quality = fit_quality(fit(relief, LIGHTS), relief, LIGHTS)
     assert quality.residuals.shape == relief.shape
