@@ -91,6 +91,7 @@ class Rig:
         """Home whatever moves, lamps dark."""
         if self._arm is None and self._turntable is None:
             raise RigError("this rig has nothing that moves: RIG.toml has neither [turntable] nor [arm]")
+        self.position_known = False  # until it ends well
         with self._doing(RigState.MOVING):
             if self._arm is not None:
                 self._moving = self._arm

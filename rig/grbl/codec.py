@@ -8,9 +8,7 @@ from rig.errors import GarbledReplyError
 
 STATUS_REPORT = b"?"
 FEED_HOLD = b"!"
-CYCLE_START = b"~"
 SOFT_RESET = b"\x18"
-JOG_CANCEL = b"\x85"
 
 POSITION_LOSING_ALARMS = frozenset({1, 3, 6, 7, 8, 9})
 

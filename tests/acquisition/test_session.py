@@ -185,3 +185,16 @@ def test_a_full_disk_holds_the_rig(bench: Bench, monkeypatch: pytest.MonkeyPatch
         with CaptureFolderWriter(bench.folder, Journal(bench.folder.with_suffix(".jsonl")), "x") as writer, bench.rig:
             list(run(AmcPlan(8), bench.rig, writer, lambda: False))
     assert bench.rig.state is RigState.HOLD
+
+
+def test_a_homing_that_breaks_off_leaves_the_position_unknown(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    bench.rig.home()
+    assert bench.rig.position_known
+
+    def broken_off() -> None:
+        raise StopNow
+
+    monkeypatch.setattr(bench.arm, "home", broken_off)
+    with pytest.raises(StopNow):
+        bench.rig.home()
+    assert not bench.rig.position_known
