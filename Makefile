@@ -8,7 +8,7 @@ OUT ?= demo-out
 
 setup: $(VENV)/ready
 
-$(VENV)/ready: requirements-dev.lock pyproject.toml scripts/setup
+$(VENV)/ready: requirements-dev.lock pyproject.toml scripts/setup tests/npm/package-lock.json
 	PYTHON="$(PYTHON)" scripts/setup $(VENV)
 	touch $@
 

@@ -1,7 +1,9 @@
 """Building materials, beside merely decoding the pictures and beside the plain NumPy way."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import simplejpeg
@@ -12,7 +14,8 @@ from litrig.base.capture_folder.capture import Capture, CapturedFrame
 from litrig.base.directions import direction_from_angles
 from litrig.base.pictures import read_codes
 from processing.amc.build import build
-from processing.amc.circle import Circle
+from processing.amc.outline.circle import Circle, find_circle
+from processing.amc.settings import Settings
 from processing.ptm.fit import fit
 from processing.ptm.relight import relight
 from processing.stack import Stack
@@ -24,7 +27,7 @@ SLICES = 128
 
 def comparisons(folder: Path) -> list[Comparison]:
     """Compare fit and build."""
-    return [*_ptm(folder / "ptm"), _amc(folder / "amc")]
+    return [*_ptm(folder / "ptm"), *_amc(folder / "amc")]
 
 
 def _ptm(folder: Path) -> list[Comparison]:
@@ -53,22 +56,49 @@ def _ptm(folder: Path) -> list[Comparison]:
     ]
 
 
-def _amc(folder: Path) -> Comparison:
-    folder.mkdir()
-    angles = [360 * s / SLICES for s in range(SLICES)]
-    frames = tuple(
-        CapturedFrame(_sphere(folder / f"{s:03d}.jpg", angle), angle_deg=angle) for s, angle in enumerate(angles)
-    )
-    capture = Capture(folder, "sphere", frames)
+def _amc(folder: Path) -> list[Comparison]:
+    capture = turn_of(folder, SLICES, (480, 640))
     circle = Circle(320.0, 240.0, 180.0)
-    if build(capture, circle=circle).amc.invariance != 2:
+    plain = Settings(circle=circle, depth=SLICES, defects="ignore")
+    near = replace(plain, distance_radii=8.0)
+    if build(capture, plain).amc.invariance != 2:
         raise AssertionError("the streak repeats at half a turn")
-    return compare(
-        f"AMC build, {SLICES} JPEGs of 640 × 480 to 128² × 64",
-        ("build", lambda: build(capture, circle=circle)),
-        ("decoding alone", lambda: [read_codes(frame.path) for frame in frames]),
-        rounds=5,
+    paths = [frame.path for frame in capture.frames]
+    decoded = {path: read_codes(path) for path in paths}
+
+    def compute(settings: Settings) -> None:
+        with mock.patch("processing.stack.read_codes", decoded.__getitem__):
+            build(capture, settings)
+
+    def decode() -> None:
+        for path in paths:
+            read_codes(path)
+
+    what = f"AMC, {SLICES} JPEGs of 640 × 480 to 128³"
+    beside = ("decoding alone", decode)
+    goal = "≤ 0.25 s"
+    return [
+        compare(what, ("compute, orthographic", lambda: compute(plain)), beside, rounds=9, goal=goal),
+        compare(what, ("compute, in perspective", lambda: compute(near)), beside, rounds=9, goal=goal),
+        compare(what, ("all of the build, decoding too", lambda: build(capture, plain)), beside, rounds=9),
+        compare(
+            what,
+            ("the same with flaws looked for", lambda: build(capture, replace(plain, defects="find"))),
+            beside,
+            rounds=5,
+        ),
+        compare(what, ("finding the sphere", lambda: find_circle(Stack(paths))), beside, rounds=5),
+    ]
+
+
+def turn_of(folder: Path, slices: int, shape: tuple[int, int]) -> Capture:
+    """Write a turn of a sphere with a streak that repeats at half a turn."""
+    folder.mkdir()
+    angles = [360 * s / slices for s in range(slices)]
+    frames = (
+        CapturedFrame(_sphere(folder / f"{s:03d}.jpg", angle, shape), angle_deg=angle) for s, angle in enumerate(angles)
     )
+    return Capture(folder, "sphere", tuple(frames))
 
 
 def _lstsq(paths: list[Path], lights: F64) -> F64:
@@ -88,9 +118,11 @@ def _relief(path: Path, light: F64) -> Path:
     return path
 
 
-def _sphere(path: Path, angle_deg: float) -> Path:
-    y, x = np.mgrid[0:480, 0:640] + 0.5
-    across, up = (x - 320) / 180, (240 - y) / 180
+def _sphere(path: Path, angle_deg: float, shape: tuple[int, int]) -> Path:
+    height, width = shape
+    y, x = np.mgrid[0:height, 0:width] + 0.5
+    radius = 0.375 * height
+    across, up = (x - width / 2) / radius, (height / 2 - y) / radius
     inside = across**2 + up**2 < 1
     turn = np.radians(angle_deg)
     streak = np.exp(-(((across - 0.2) * np.cos(turn) + (up - 0.1) * np.sin(turn)) ** 2) / 0.02)

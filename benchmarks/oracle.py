@@ -23,16 +23,21 @@ Last run: mitsuba {version}, variant {variant}, {side} × {side} pixels, {sample
 The spheres stand in a studio: two softboxes and an environment. Aluminium and gold are GGX microfacets; rough has
 roughnesses .12 along and .4 across the brushing, as has gold; fine has .06 and .25.
 
-## Another brushing of the same metal
+## Another brushing of the same material
 
 An AMC is built from {slices} pictures of a sphere that is brushed along parallels about an axis in the picture's
-plane (16 slices, as R = 2). It predicts the orthographic picture of the same metal brushed along parallels at another
-angle, in circles about the camera's axis, and about an axis tilted by 35°; normals and tangents come from the renderer.
-PSNR is in linear light, its peak the truth's 99.9th percentile, over pixels with n_z > .25 and a tangent longer than
-.15 in the picture. Goal: at least 27 dB for other brushings, and below 18 dB when all tangents are off by 90° in the
-surface.
+plane (16 slices, as R = 2), orthographic or from a camera at 4 to 20 radii (`rectified`). It predicts the orthographic
+picture of the same material brushed along parallels at another angle, in circles about the camera's axis, and about an
+axis tilted by 35°; normals and tangents come from the renderer. The weave has R = 2. PSNR is in linear light, its peak
+the truth's 99.9th percentile, over pixels with n_z > .25 and a tangent longer than .15 in the picture; behind the slash
+with all tangents off by 90° in the surface. Goal for other brushings: at least 27 dB, and below 18 dB with the wrong
+tangents.
 
 {brushings}
+
+The truth's own noise would leave:
+
+{noises}
 
 ## Perspective
 
@@ -43,11 +48,18 @@ than `view`.
 
 {perspective}
 
+## Diffuse light and gloss apart
+
+Thin metal (roughness .06 and .25) over matt paint, 3 : 7. The low table is indexed by the camera's normal, the high one
+by the rectified; their sum predicts the two other brushings. Figures as above. Goal: no worse than either way alone.
+
+{splits}
+
 ## Invariance of weaves
 
 Spheres of R tilted lobes a turn; the build finds R by itself. "Energy outside" is the share of the change over the
-tangent's angle that R does not explain: in the tangent plane, where a weave repeats exactly, and over k, by which the
-table is stored. Only R = 1 and 2 are exact over k.
+tangent's angle that R does not explain: over its angle in the surface, where a weave repeats exactly, and over that of
+its picture, where only R = 1 and 2 do. Tables of R = 3 and 4 are stored over the angle in the surface.
 
 {fabrics}
 
@@ -75,6 +87,8 @@ def page(studio: Studio) -> str:
         slices=SLICES,
         lights=LIGHTS,
         brushings=oracle_tables.brushings(studio),
+        noises=oracle_tables.noises(studio),
+        splits=oracle_tables.splits(studio),
         perspective=oracle_tables.perspective(studio),
         fabrics=oracle_tables.fabrics(studio),
         relighting=oracle_tables.relighting(studio),

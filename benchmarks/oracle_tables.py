@@ -10,9 +10,10 @@ from tests.oracle.measure import (
     perspective_error,
     predict_brushing,
     ptm_fit,
+    split_errors,
     truth_noise_db,
 )
-from tests.oracle.shoot import FABRICS, METALS, NAIVE, OTHER_BRUSHINGS, RELIEF, Studio, Way
+from tests.oracle.shoot import BOTH, FABRICS, MATERIALS, METALS, NAIVE, OTHER_BRUSHINGS, RELIEF, Studio, Way
 
 BRUSHINGS: tuple[Brushing, ...] = ("parallels", *OTHER_BRUSHINGS)
 DISTANCES_RADII = (4.0, 8.0, 20.0)
@@ -29,8 +30,27 @@ Row = Sequence[str]
 def brushings(studio: Studio) -> str:
     """Predict each brushing of each metal, with the right tangents and with wrong ones."""
     return _table(
-        ("metal", "brushing that is predicted", "PSNR, dB", "tangents off by 90°, dB", "noise of the truth alone, dB"),
-        (_brushing(studio, name, brushing) for name in METALS for brushing in BRUSHINGS),
+        ("material", "camera at, radii", *(f"{brushing}, dB" for brushing in BRUSHINGS)),
+        (_brushing(studio, name, distance) for name in MATERIALS for distance in (None, *DISTANCES_RADII)),
+    )
+
+
+def noises(studio: Studio) -> str:
+    """Say what part of those errors is the truth's own noise."""
+    return _table(
+        ("material", *(f"{brushing}, dB" for brushing in BRUSHINGS)),
+        (
+            (name, *(f"{truth_noise_db(studio, material, brushing):.1f}" for brushing in BRUSHINGS))
+            for name, material in MATERIALS.items()
+        ),
+    )
+
+
+def splits(studio: Studio) -> str:
+    """Compare a low and a high table with either way alone."""
+    return _table(
+        ("camera at, radii", "brushing that is predicted", "low + high", "rectified alone", "camera alone"),
+        (_split(studio, distance, brushing) for distance in DISTANCES_RADII for brushing in OTHER_BRUSHINGS),
     )
 
 
@@ -42,7 +62,14 @@ def perspective(studio: Studio) -> str:
 def fabrics(studio: Studio) -> str:
     """Let the build find the invariance of each weave."""
     return _table(
-        ("weave made with R", "camera", "R found", "change over k", "energy outside R, in the tangent plane", "over k"),
+        (
+            "weave made with R",
+            "camera",
+            "R found",
+            "change over k",
+            "energy outside R, in the surface",
+            "in the picture",
+        ),
         (_fabric(studio, invariance, distance) for distance in (None, 8.0) for invariance in FABRICS),
     )
 
@@ -52,10 +79,18 @@ def relighting(studio: Studio) -> str:
     return _table(("PTM", "ours, dB", "float least squares, dB", "lost, dB"), (_ptm(studio, c) for c in COLOURS))
 
 
-def _brushing(studio: Studio, name: str, brushing: Brushing) -> Row:
-    result = predict_brushing(studio, METALS[name], brushing)
-    noise_db = truth_noise_db(studio, METALS[name], brushing)
-    return name, brushing, f"{result.right_db:.1f}", f"{result.off_by_90_db:.1f}", f"{noise_db:.1f}"
+def _brushing(studio: Studio, name: str, distance_radii: float | None) -> Row:
+    results = (predict_brushing(studio, MATERIALS[name], brushing, distance_radii) for brushing in BRUSHINGS)
+    return name, _camera(distance_radii), *(f"{result.right_db:.1f} / {result.off_by_90_db:.1f}" for result in results)
+
+
+def _camera(distance_radii: float | None) -> str:
+    return "orthographic" if distance_radii is None else f"{distance_radii:g}"
+
+
+def _split(studio: Studio, distance_radii: float, brushing: Brushing) -> Row:
+    errors = split_errors(studio, BOTH, distance_radii, brushing)
+    return f"{distance_radii:g}", brushing, *(f"{error:.4f}" for error in errors)
 
 
 def _perspective_rows(studio: Studio) -> Iterator[Row]:
@@ -75,7 +110,7 @@ def _fabric(studio: Studio, invariance: Invariance, distance_radii: float | None
     report = fabric_verdict(studio, invariance, distance_radii).invariance
     camera = "orthographic" if distance_radii is None else f"at {distance_radii:g} radii"
     evidence = None if invariance == "isotropic" else report.of(invariance)
-    shares = ("–", "–") if evidence is None else (f"{evidence.outside_plane:.3f}", f"{evidence.outside_k:.3f}")
+    shares = ("–", "–") if evidence is None else (f"{evidence.outside_surface:.3f}", f"{evidence.outside_picture:.3f}")
     return str(invariance), camera, str(report.found), f"{report.variation:.3f}", *shares
 
 

@@ -6,7 +6,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from benchmarks import materials, storage, viewing, wires
+from benchmarks import materials, memory, storage, viewing, wires
 from benchmarks.measure import table
 
 TEXT = """# Benchmarks
@@ -17,6 +17,12 @@ seconds only say of what order things are. Fast and wrong does not count: each b
 Last run: Python {python}, {cores} cores, {machine}.
 
 {table}
+
+## Memory
+
+Frames are streamed; what is held is the slices, which the table overwrites. Peaks of a process of its own.
+
+{memory}
 """
 
 
@@ -29,8 +35,13 @@ def main() -> None:
             *storage.comparisons(folder),
             *wires.comparisons(),
         ]
+        peaks = memory.report(folder)
     page = TEXT.format(
-        python=platform.python_version(), cores=os.cpu_count(), machine=platform.machine(), table=table(rows)
+        python=platform.python_version(),
+        cores=os.cpu_count(),
+        machine=platform.machine(),
+        table=table(rows),
+        memory=peaks,
     )
     Path(sys.argv[1]).write_text(page, encoding="utf-8")
     sys.stdout.write(page)

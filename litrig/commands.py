@@ -16,7 +16,8 @@ from firmware_sim.errors import SimError
 from litrig.base.errors import LitrigError
 from litrig.base.version import litrig_version
 from litrig.simulated import CHANNEL_VARIABLE, announce
-from processing.cli import amc, ptm
+from processing.amc.cli import amc
+from processing.ptm.cli import ptm
 from rig.cli import rig
 from viewer.cli import render
 

@@ -1,19 +1,23 @@
 """Frames of one scene, read when they are asked for: a session of any length needs the memory of one picture."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.capture_folder.capture import Capture, Role
 from litrig.base.errors import FormatError, InputError
-from litrig.base.pictures import read_encoded, read_linear
-from litrig.base.radiometry import encode_srgb
+from litrig.base.pictures import DISPLAY_ENDINGS, read_codes, read_encoded, read_linear
+from litrig.base.radiometry import Codes, decode_srgb_codes, encode_srgb
 
 F32 = NDArray[np.float32]
 Space = Literal["srgb", "linear"]
+Window = tuple[slice, slice]
+"""Rows and columns of a part of a picture."""
+Picture = TypeVar("Picture", F32, Codes)
 Correction = Callable[[F32], F32]
 
 
@@ -58,6 +62,33 @@ class Stack:
         assert self._shape is not None  # noqa: S101  # for the type checker: reading sets it
         return self._shape
 
+    def parts(self, window: Window, frames: Sequence[int] | None = None) -> Iterator[F32]:
+        """Read a part of every picture, or of some, as linear light; the next is decoded while one is worked on.
+
+        Parameters
+        ----------
+        window : rows and columns, with start and stop
+        frames : indices in the order in which they are wanted; all by default
+
+        Raises
+        ------
+        InputError, FormatError
+            As `linear`.
+        """
+        wanted = range(len(self)) if frames is None else frames
+        with ThreadPoolExecutor(1) as reader:
+            coming = [reader.submit(self._part, index, window) for index in wanted[:1]]
+            for place, _ in enumerate(wanted):
+                part = coming.pop().result()
+                coming = [reader.submit(self._part, index, window) for index in wanted[place + 1 : place + 2]]
+                yield part
+
+    def _part(self, index: int, window: Window) -> F32:
+        if self._correct is not None or self.paths[index].suffix.lower() not in DISPLAY_ENDINGS:
+            return np.ascontiguousarray(self.linear(index)[window])
+        # Codes are cut out before they become floats, which are four times as large.
+        return decode_srgb_codes(self._checked(index, read_codes(self.paths[index]))[window])
+
     def linear(self, index: int) -> F32:
         """Read one picture as linear light, (H, W, 3) float32, row 0 on top.
 
@@ -79,7 +110,7 @@ class Stack:
         """Read one picture in the space that is asked for."""
         return self.linear(index) if space == "linear" else self.encoded(index)
 
-    def _checked(self, index: int, picture: F32) -> F32:
+    def _checked(self, index: int, picture: Picture) -> Picture:
         height, width = picture.shape[:2]
         if self._shape is None:
             self._shape = (height, width)

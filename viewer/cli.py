@@ -27,13 +27,28 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
 @click.option(
     "-o", "--output", metavar="IMAGE", type=click.Path(path_type=Path), required=True, help="PNG, JPEG, TIFF or EXR."
 )
-@click.option("--mesh", metavar="NAME", help="What to show it on: torus, sphere, cloth, ribbon or pillow.")
+@click.option("--mesh", metavar="NAME", help="What to show it on: torus, sphere, cloth, ribbon, pillow or sewn.")
 @click.option(
     "--light",
     metavar="U V",
     type=(float, float),
     help="Where a PTM's light comes from, seen from the camera: right and up, U² + V² ≤ 1; -0.4 0.4 if left out. "
     "An AMC has its light in it.",
+)
+@click.option(
+    "--directions",
+    metavar="IMAGE",
+    type=click.Path(path_type=Path),
+    help="Where the grain of an AMC runs on the mesh, painted as PNG or EXR: red is right, green is up, from 0 to 1; "
+    "0.5 is none. Laid on by the mesh's texture coordinates.",
+)
+@click.option(
+    "--turn",
+    "turn_deg",
+    metavar="DEG",
+    type=float,
+    default=0.0,
+    help="Turn the grain of an AMC in the surface, counter-clockwise seen from outside.",
 )
 @click.option("--size", "size_px", metavar="W H", type=(_SIDE_PX, _SIDE_PX), help="Pixels; 800 800 if left out.")
 @click.option(
@@ -80,6 +95,8 @@ def render(
     output: Path,
     mesh: str | None,
     light: tuple[float, float] | None,
+    directions: Path | None,
+    turn_deg: float,
     size_px: tuple[int, int] | None,
     projection: str,
     yaw_deg: float,
@@ -98,7 +115,7 @@ def render(
     from viewer.view import Projection, View
 
     view = View(Projection(projection), yaw_deg, pitch_deg, fov_deg, zoom)
-    staging = Staging(mesh, light, size_px, view, background, supersample, _given_mesh_options())
+    staging = Staging(mesh, light, size_px, view, background, supersample, directions, turn_deg, _given_mesh_options())
     width, height = render_file(file, output, staging)
     click.echo(f"{output}: {width} × {height} pixels")
 

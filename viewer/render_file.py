@@ -7,14 +7,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
-from processing.amc.ktx2 import read_levels
+from processing.amc.files import either
+from processing.amc.files.ktx2 import read_levels
+from processing.amc.mips import MipLevel
+from processing.amc.model import Amc
 from processing.mesh.builtin import builtin_mesh
+from processing.mesh.direction_map import read_directions
+from processing.mesh.fields import painted, turned
+from processing.mesh.model import Mesh
 from processing.ptm.ptm_file import read_ptm
 from viewer.renderer import Renderer
 from viewer.save import save_flat, save_rendered
 from viewer.view import View
 
-AMC_ENDING = ".amc.ktx2"
 PTM_ENDING = ".ptm"
 DEFAULT_SIZE_PX = (800, 800)
 DEFAULT_LIGHT = (-0.4, 0.4)
@@ -33,6 +38,8 @@ class Staging:
     size_px : width and height; None is 800 by 800, or the PTM's own size if it is flat
     background_srgb : colour behind the object, display values 0..1; None is transparent
     supersample : draw so many times finer and average
+    directions : picture of the grain's direction on the mesh, as `read_directions` reads it; None is the mesh's own
+    turn_deg : then turns the grain in the surface, counter-clockwise seen from outside
     mesh_options : what was asked for, by its option's name, that means something on a mesh only
     """
 
@@ -42,6 +49,8 @@ class Staging:
     view: View = field(default_factory=lambda: View(pitch_deg=30))
     background_srgb: tuple[float, float, float] | None = DARK_GREY
     supersample: int = 3
+    directions: Path | None = None
+    turn_deg: float = 0.0
     mesh_options: tuple[str, ...] = ()
 
 
@@ -56,35 +65,57 @@ def render_file(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
         OpenGL is not installed.
     """
     name = file.name.lower()
-    if name.endswith(AMC_ENDING):
+    if name.endswith(either.ENDINGS):
         return _render_amc(file, output, staging)
     if name.endswith(PTM_ENDING) and staging.mesh is None:
         return _render_flat(file, output, staging)
     if name.endswith(PTM_ENDING):
         return _render_ptm_on_mesh(file, output, staging)
-    raise InputError(f"{file}: unknown ending; give a file that ends in {AMC_ENDING} or {PTM_ENDING}")
+    raise InputError(f"{file}: unknown ending; give a file that ends in {', '.join(either.ENDINGS)} or {PTM_ENDING}")
 
 
 def _render_amc(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
     if staging.light is not None:
         raise InputError(f"{file}: an AMC was lit when it was captured; leave out the light, turn the object instead")
-    mesh = builtin_mesh(staging.mesh or DEFAULT_MESH)
-    amc, levels = read_levels(file)
+    mesh = _mesh_with_grain(staging)
+    amc, levels = _read_amc(file)
     with Renderer() as renderer:
         picture = renderer.render_amc(
             amc,
             mesh,
             staging.view,
             size=staging.size_px or DEFAULT_SIZE_PX,
-            # A file with one level leaves the smaller ones to whoever reads it.
-            levels=levels if len(levels) > 1 else None,
+            levels=levels,
             supersample=staging.supersample,
         )
     save_rendered(output, picture, staging.background_srgb)
     return _size_of(picture)
 
 
+def _read_amc(file: Path) -> tuple[Amc, list[MipLevel] | None]:
+    """Read a table and its smaller levels; a file that has none leaves them to whoever reads it."""
+    if file.name.lower().endswith(either.LOW_RANK):
+        return either.read_any(file), None
+    amc, levels = read_levels(file)
+    return amc, levels if len(levels) > 1 else None
+
+
+def _mesh_with_grain(staging: Staging) -> Mesh:
+    mesh = builtin_mesh(staging.mesh or DEFAULT_MESH)
+    if staging.directions is not None:
+        mesh = painted(mesh, read_directions(staging.directions), str(staging.directions))
+    return turned(mesh, staging.turn_deg)
+
+
+def _refuse_grain(file: Path, staging: Staging) -> None:
+    if staging.directions is not None or staging.turn_deg:
+        raise InputError(
+            f"{file}: a PTM has no grain to turn or to paint; leave out the turn and the directions, or give an AMC"
+        )
+
+
 def _render_flat(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
+    _refuse_grain(file, staging)
     if staging.size_px is not None:
         raise InputError(f"{file}: a flat PTM has its own size; leave out the size, or name a mesh")
     if staging.mesh_options:
@@ -98,6 +129,7 @@ def _render_flat(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
 
 
 def _render_ptm_on_mesh(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
+    _refuse_grain(file, staging)
     mesh = builtin_mesh(staging.mesh or DEFAULT_MESH)
     ptm = read_ptm(file)
     with Renderer() as renderer:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from litrig.base.errors import InputError
 from litrig.base.table_normals import TableNormal
 from processing.amc.mips import MipLevel, mip_chain
-from processing.amc.model import Amc
+from processing.amc.model import Amc, TangentAngle
 from processing.mesh.model import Mesh
 from processing.ptm.model import Ptm
 from viewer.amc_texture import upload_amc
@@ -95,6 +95,7 @@ class Renderer:
         uniforms: dict[str, UniformValue] = {
             "table": 0,
             "table_normal": _TABLE_NORMAL_CODES[amc.table_normal],
+            "angle_in_surface": amc.tangent_angle is TangentAngle.SURFACE,
             "repeats": float(amc.repeats),
             "first_slice": 0.5 / len(amc.slices),
             "level": -1.0 if level is None else float(level),

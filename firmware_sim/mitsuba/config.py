@@ -23,6 +23,8 @@ class MitsubaScene(BaseModel):
     """GGX roughness along the brushing."""
     roughness_across: float = Field(default=0.4, gt=0.01, le=1)
     """GGX roughness across the brushing."""
+    diffuse_share: float = Field(default=0.0, ge=0, le=1)
+    """Of the brushed sphere: how much of it is matt white paint under thin metal, 0 to 1."""
     brushing: Brushing = "parallels"
     """Brushed along parallels about an axis in the picture's plane (the tangent has one direction in the picture),
     about the camera's axis, or about an axis half-way between."""

@@ -9,6 +9,7 @@ METALS = {"aluminium": "Al", "gold": "Au"}
 CHROME_ROUGHNESS = 0.02
 """Not quite a mirror, which would show nothing at all of a lamp without extent."""
 CARD_ALBEDO = 0.9
+PAINT_ALBEDO = 0.7
 THREAD_TILT_DEG = 26.0
 THREAD_ROUGHNESS = 0.16
 THREAD_SHEEN, THREAD_DEPTH = (0.95, 0.50, 0.40), (0.45, 0.06, 0.07)
@@ -18,14 +19,18 @@ Material = dict[str, Any]
 
 
 def brushed_metal(scene: MitsubaScene) -> Material:
-    """Return GGX microfacets with two roughnesses (Walter et al. 2007), u along the brushing."""
-    return {
+    """Return GGX microfacets with two roughnesses (Walter et al. 2007), u along the brushing, over a diffuse share."""
+    gloss = {
         "type": "roughconductor",
         "material": METALS[scene.metal],
         "distribution": "ggx",
         "alpha_u": scene.roughness_along,
         "alpha_v": scene.roughness_across,
     }
+    if not scene.diffuse_share:
+        return gloss
+    paint = {"type": "diffuse", "reflectance": {"type": "rgb", "value": PAINT_ALBEDO}}
+    return {"type": "blendbsdf", "weight": scene.diffuse_share, "first": gloss, "second": paint}
 
 
 def chrome() -> Material:

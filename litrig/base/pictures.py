@@ -1,7 +1,7 @@
 """Pictures in and out: files on one side, linear float32 on the other.
 
-Row 0 is the top row. Display-encoded formats (JPEG, PNG, 8-bit and 16-bit TIFF) are sRGB; EXR and camera RAW are
-linear. A damaged file is an error: a decoder that paints what is missing grey would pass for a picture.
+Row 0 is the top row. Display-encoded formats (JPEG, PNG, 8-bit and 16-bit TIFF) are sRGB; EXR, Radiance and camera
+RAW are linear. A damaged file is an error: a decoder that paints what is missing grey would pass for a picture.
 """
 
 import struct
@@ -18,19 +18,17 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import FormatError, InputError
 from litrig.base.files import replacing
-from litrig.base.radiometry import F32, U8, decode_srgb, encode_srgb, to_u8
+from litrig.base.radiometry import F32, U8, Codes, decode_srgb_codes, encode_srgb, to_u8
 
 RAW_ENDINGS = frozenset({".dng", ".nef", ".cr2", ".cr3", ".arw", ".raf", ".orf", ".rw2", ".pef"})
 JPEG_ENDINGS = frozenset({".jpg", ".jpeg"})
 DISPLAY_ENDINGS = JPEG_ENDINGS | {".png", ".tif", ".tiff"}
-PICTURE_ENDINGS = DISPLAY_ENDINGS | RAW_ENDINGS | {".exr"}
+PICTURE_ENDINGS = DISPLAY_ENDINGS | RAW_ENDINGS | {".exr", ".hdr"}
 
 LARGEST_PIXELS = 400_000_000
 _PNG_START, _PNG_END = b"\x89PNG\r\n\x1a\n", b"IEND\xaeB`\x82"
 _PNG_SIZE = struct.Struct(">2L")
 _PNG_SIZE_AT = 16
-
-Codes = NDArray[np.uint8] | NDArray[np.uint16]
 
 
 def is_picture(path: Path) -> bool:
@@ -53,10 +51,11 @@ def read_linear(path: Path) -> F32:
     ending = path.suffix.lower()
     if ending == ".exr":
         return _read_exr_rgb(path)
+    if ending == ".hdr":
+        return _read_radiance(path)
     if ending in RAW_ENDINGS:
         return _read_raw(path)
-    codes = read_codes(path)
-    return decode_srgb(codes.astype(np.float32) / np.float32(np.iinfo(codes.dtype).max))
+    return decode_srgb_codes(read_codes(path))
 
 
 def read_encoded(path: Path) -> F32:
@@ -156,10 +155,27 @@ def _read_exr_rgb(path: Path) -> F32:
         raise FormatError(f"{path}: damaged EXR ({error}); copy or render it again") from error
     for name in ("RGB", "RGBA"):
         if name in channels:
-            return np.ascontiguousarray(channels[name][..., :3], np.float32)
+            return _finite(np.ascontiguousarray(channels[name][..., :3], np.float32), path)
     if "Y" in channels:
-        return np.repeat(channels["Y"].astype(np.float32)[..., None], 3, axis=-1)
+        return _finite(np.repeat(channels["Y"].astype(np.float32)[..., None], 3, axis=-1), path)
     raise FormatError(f"{path}: has no RGB channels (found {', '.join(sorted(channels)) or 'none'})")
+
+
+def _read_radiance(path: Path) -> F32:
+    try:
+        stored = cv2.imdecode(np.frombuffer(_read_bytes(path), np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error:  # empty, or larger than OpenCV reads
+        stored = None
+    if stored is None or stored.dtype != np.float32 or stored.ndim != 3:
+        raise FormatError(f"{path}: damaged, or not a Radiance picture; copy or render it again")
+    return _finite(np.asarray(cv2.cvtColor(stored, cv2.COLOR_BGR2RGB), np.float32), path)
+
+
+def _finite(picture: F32, path: Path) -> F32:
+    lost = int(np.count_nonzero(~np.isfinite(picture).all(axis=-1)))
+    if lost:
+        raise FormatError(f"{path}: {lost} pixels hold no finite number; render or develop it again")
+    return picture
 
 
 def _read_raw(path: Path) -> F32:

@@ -1,10 +1,14 @@
 """From code values to light and back, and how good an exposure is."""
 
+from functools import cache
+
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 F32 = NDArray[np.float32]
 U8 = NDArray[np.uint8]
+Codes = NDArray[np.uint8] | NDArray[np.uint16]
 
 
 def decode_srgb(encoded: NDArray[np.floating]) -> F32:
@@ -13,6 +17,19 @@ def decode_srgb(encoded: NDArray[np.floating]) -> F32:
     return np.where(values <= 0.04045, values / 12.92, ((np.maximum(values, 0) + 0.055) / 1.055) ** 2.4).astype(
         np.float32
     )
+
+
+def decode_srgb_codes(codes: Codes) -> F32:
+    """Turn stored sRGB codes of 8 or 16 bits into linear light 0..1."""
+    light = _light_of_codes(int(np.iinfo(codes.dtype).max))
+    if codes.dtype == np.uint8:
+        return np.asarray(cv2.LUT(np.ascontiguousarray(codes), light), np.float32)
+    return light.take(codes)
+
+
+@cache
+def _light_of_codes(largest: int) -> F32:
+    return decode_srgb(np.arange(largest + 1, dtype=np.float32) / np.float32(largest))
 
 
 def encode_srgb(linear: NDArray[np.floating]) -> F32:

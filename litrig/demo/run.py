@@ -22,7 +22,8 @@ from litrig.demo.scenes import SceneKind
 from litrig.demo.stages import Stages
 from litrig.simulated import render_ahead
 from processing.amc.build import build
-from processing.amc.ktx2 import read_amc, write_amc
+from processing.amc.files.ktx2 import read_amc, write_amc
+from processing.amc.settings import Settings
 from processing.ptm.fit import fit
 from processing.ptm.ptm_file import read_ptm, write_ptm
 from processing.ptm.quality import fit_quality
@@ -85,7 +86,7 @@ def run_demo(folder: Path, size: DemoSize, kind: SceneKind, report: Report) -> P
     _capture("brushed sphere", scenes.brushed_sphere(kind), AmcPlan(size.slices), brushed, stages)
     _capture("relief", scenes.relief(kind), PtmPlan(size.lights), relief, stages)
     with stages.stage("Anisotropic MatCap") as step:
-        result = build(read_capture(brushed), size=size.table, report=step)
+        result = build(read_capture(brushed), Settings(size=size.table), report=step)
         write_amc(amc_file, result.amc)
     with stages.stage("PTM") as step:
         session = read_capture(relief)

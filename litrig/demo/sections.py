@@ -54,7 +54,7 @@ def captured(pictures: Pictures, brushed: Path, relief: Path, frames: tuple[int,
 
 def material(pictures: Pictures, result: AmcResult) -> Section:
     """Show how the table came about, and the table itself."""
-    amc, circle = result.amc, result.circle
+    amc, circle = result.amc, result.outline.circle
     text = (
         f"The sphere was found at ({circle.x_px:.1f}, {circle.y_px:.1f}) px, with a radius of "
         f"{circle.radius_px:.1f} px. "

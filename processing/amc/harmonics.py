@@ -1,7 +1,7 @@
 """What a texel's colour does while the tangent turns: a Fourier series over the tangent angle τ.
 
 colour(τ) = Re Σ_m c_m exp(i·m·τ), m = 0..M. Slices shot at any angles are fitted by least squares; even ones give the
-discrete Fourier transform. The series is the one place where slices are moved, turned, folded and counted anew.
+discrete Fourier transform. All that moves, folds or counts slices anew is a matrix made of such series.
 """
 
 from bisect import bisect_left
@@ -65,68 +65,49 @@ def fit_harmonics(slices: F32, angles_rad: F64, highest: int) -> C64:
     -------
     harmonics : (M + 1, ...) complex64
     """
-    solver = np.linalg.pinv(_design(angles_rad, highest)).astype(np.float32)
+    solver = fitting(angles_rad, highest).astype(np.float32)
     parts = (solver @ slices.reshape(len(slices), -1)).reshape(2 * highest + 1, *slices.shape[1:])
     harmonics = parts[: highest + 1].astype(np.complex64)
     harmonics[1:] -= 1j * parts[highest + 1 :]
     return harmonics
 
 
-def even_slices(harmonics: C64, depth: int, repeats: int) -> F32:
-    """Give D even slices over one period 360°/R: slice j at 360·j/(R·D) degrees.
+def fitting(angles_rad: F64, highest: int) -> F64:
+    """Return the matrix (2M + 1, N) that fits the series to slices at measured angles by least squares."""
+    return np.asarray(np.linalg.pinv(_design(angles_rad, highest)))
 
-    Harmonics not divisible by R are left out, which is the mean over the R turned copies (the AMC paper, section 5.2);
-    so are those that D slices cannot hold.
 
-    Returns
-    -------
-    slices : (D, ...) float32; below zero where the series undershoots beside a highlight
+def reading(fit: F64, wanted_rad: F64) -> F32:
+    """Return the matrix (J, N) that fits a series and reads it at wanted angles."""
+    return (_design(wanted_rad, len(fit) // 2) @ fit).astype(np.float32)
+
+
+def folding(count: int, depth: int, repeats: int) -> F32:
+    """Return the matrix (D, count) that takes a whole turn of even slices to D over one period 360°/R.
+
+    Slice j stands at 360·j/(R·D) degrees. Harmonics not divisible by R are left out, which is the mean over the R
+    turned copies (the AMC paper, section 5.2); so are those that D slices cannot hold.
     """
-    kept = harmonics[::repeats][: (depth - 1) // 2 + 1]
-    spectrum = kept * np.complex64(depth / 2)
-    spectrum[0] *= 2
-    slices: F32 = np.fft.irfft(spectrum, n=depth, axis=0).astype(np.float32)
-    return slices
+    highest = min(repeats * ((depth - 1) // 2), (count - 1) // 2)
+    orders = np.arange(repeats, highest + 1, repeats)
+    waves = _waves(2 * np.pi * np.arange(depth) / (repeats * depth), 2 * np.pi * np.arange(count) / count, orders)
+    matrix: F32 = ((1 + 2 * waves) / count).astype(np.float32)
+    return matrix
 
 
-def warp_harmonics(harmonics: C64, normal_z: F64, table_normal_z: F64, azimuth_rad: F64) -> C64:
-    """Follow the tangent's turn from normal n to table normal n′, texel by texel.
-
-    n, n′ and z lie in one plane of azimuth φ, so that the turn is about the horizontal direction across it. A tangent
-    seen at τ then shows at τ′, with tan(τ − φ)·n_z = tan(τ′ − φ)·n′_z. The series over τ is read where τ′ is even, and
-    analysed again; with n = n′ it comes back as it was.
-
-    Parameters
-    ----------
-    harmonics : (M + 1, S, S, 3) over the picture's tangent angle τ
-    normal_z, table_normal_z, azimuth_rad : (S, S) of each texel
-
-    Returns
-    -------
-    harmonics : (M + 1, S, S, 3) over the table's tangent angle τ′
-    """
-    highest = len(harmonics) - 1
-    count = 2 * (2 * highest + 1)
-    turned = 2 * np.pi * np.arange(count) / count
-    warped = np.zeros_like(harmonics)
-    for row in range(harmonics.shape[1]):
-        relative = turned - azimuth_rad[row, :, None]
-        cosine, sine = np.cos(relative) * normal_z[row, :, None], np.sin(relative) * table_normal_z[row, :, None]
-        seen_rad = np.arctan2(sine, cosine) + azimuth_rad[row, :, None]
-        colours = _evaluate(harmonics[:, row], seen_rad)
-        spectrum = np.fft.rfft(colours, axis=1)[:, : highest + 1] * (2 / count)
-        spectrum[:, 0] /= 2
-        warped[:, row] = spectrum.swapaxes(0, 1)
-    return warped
+def unfolding(angles_rad: F64, depth: int, repeats: int) -> F32:
+    """Return the matrix (J, D) that reads D stored slices of one period at any angles."""
+    orders = repeats * np.arange(1, (depth - 1) // 2 + 1)
+    waves = _waves(angles_rad, 2 * np.pi * np.arange(depth) / (repeats * depth), orders)
+    matrix: F32 = ((1 + 2 * waves) / depth).astype(np.float32)
+    return matrix
 
 
-def _evaluate(harmonics: C64, angles_rad: F64) -> F32:
-    """Read series (M + 1, S, 3) at angles (S, J) each; (S, J, 3)."""
-    turns = np.ones((*angles_rad.shape, len(harmonics)), np.complex64)
-    turns[..., 1:] = np.exp(1j * angles_rad)[..., None]
-    np.cumprod(turns, axis=-1, out=turns)
-    values: F32 = (turns @ harmonics.swapaxes(0, 1)).real
-    return values
+def _waves(to_rad: F64, from_rad: F64, orders: NDArray[np.integer]) -> F64:
+    """Sum cos m(a − b) over the orders m, for every a (rows) and b (columns)."""
+    after, before = np.outer(to_rad, orders), np.outer(from_rad, orders)
+    waves: F64 = np.cos(after) @ np.cos(before).T + np.sin(after) @ np.sin(before).T
+    return waves
 
 
 def _design(angles_rad: F64, highest: int) -> F64:

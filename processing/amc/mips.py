@@ -57,18 +57,24 @@ def area_weights(source: int, target: int) -> F32:
 
 
 def _halve(level: MipLevel) -> MipLevel:
-    coverage = _shrink(level.coverage)
-    seen = _shrink(level.colours * level.coverage[..., None])
+    """Shrink slice by slice first, so that no whole level is held twice."""
+    depth, height, width = level.coverage.shape
+    small = (depth, max(1, height // 2), max(1, width // 2))
+    seen, dilated = np.zeros((*small, 3), np.float32), np.zeros((*small, 3), np.float32)
+    coverage = np.zeros(small, np.float32)
+    for j, (colours, covered) in enumerate(zip(level.colours, level.coverage, strict=True)):
+        seen[j] = _shrink(colours * covered[..., None], axes=(0, 1))
+        dilated[j], coverage[j] = _shrink(colours, axes=(0, 1)), _shrink(covered, axes=(0, 1))
+    seen, dilated, coverage = (_shrink(part, axes=(0,)) for part in (seen, dilated, coverage))
     # Where nothing was seen the dilated colours are all there is to average.
-    dilated = _shrink(level.colours)
     some = coverage[..., None] > 0
     colours = np.where(some, seen / np.where(some, coverage[..., None], 1), dilated)
     return MipLevel(colours.astype(np.float32), coverage)
 
 
-def _shrink(table: F32) -> F32:
-    """Halve the first three axes."""
-    for axis in range(3):
+def _shrink(table: F32, axes: tuple[int, ...]) -> F32:
+    """Halve some axes."""
+    for axis in axes:
         count = table.shape[axis]
         if count > 1:
             shrunk = np.tensordot(area_weights(count, count // 2), table, axes=(1, axis))

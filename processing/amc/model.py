@@ -1,6 +1,7 @@
 """An Anisotropic MatCap in memory."""
 
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Literal
 
 import numpy as np
@@ -9,6 +10,15 @@ from numpy.typing import NDArray
 from litrig.base.table_normals import TableNormal
 
 Invariance = int | Literal["isotropic"]
+
+
+class TangentAngle(StrEnum):
+    """What k counts."""
+
+    PICTURE = "picture"
+    """The angle of the tangent's picture, that is of its x and y in the view frame (the paper's equation 3)."""
+    SURFACE = "surface"
+    """The tangent's angle in the surface, after the smallest rotation that takes the table normal to z."""
 
 
 @dataclass(frozen=True)
@@ -24,6 +34,7 @@ class Amc:
     table_normal : how a perspective picture's normal is brought to the table
     slice_angles_deg : the tangent angle of every captured slice, as measured
     source : digest of the frames that it was built from
+    tangent_angle : what the tangent angle of a slice is measured in
     """
 
     slices: NDArray[np.float32]
@@ -32,6 +43,7 @@ class Amc:
     table_normal: TableNormal = TableNormal.RECTIFIED
     slice_angles_deg: tuple[float, ...] = ()
     source: str = ""
+    tangent_angle: TangentAngle = TangentAngle.PICTURE
 
     @property
     def repeats(self) -> int:

@@ -76,6 +76,27 @@ def cloth(u: Jet, v: Jet) -> Point:
     return out * aside, -drop + ripple, out * ahead
 
 
+def skirt(u: Jet, v: Jet) -> Point:
+    """Return a flared skirt about the y axis; u runs round it, counter-clockwise from above, v from hem to waist.
+
+    It is a cone whose folds deepen towards the hem.
+    """
+    around = u * _TURN
+    slant = SKIRT_WAIST + (1 - v) * (1 - SKIRT_WAIST)
+    hanging = (1 - v) * (1 - v)
+    wave = around * 6.0 + 0.5 * jets.sin(2 * around + 0.7) + 0.35 * jets.sin(3 * around - 1.1)
+    depth = 1 + 0.3 * jets.sin(around + 2.1) + 0.2 * jets.sin(3 * around)
+    fold = 0.06 * hanging * depth * (jets.cos(wave) + 0.2 * jets.cos(2 * wave + 0.6))
+    radius = slant * SKIRT_FLARE + fold
+    height = slant * -math.sqrt(1 - SKIRT_FLARE**2) + 0.3 * fold
+    return radius * jets.sin(around), height, radius * jets.cos(around)
+
+
+SKIRT_WAIST = 0.25
+"""Way from the cone's tip to the waist, as a share of that to the hem."""
+SKIRT_FLARE = 0.5
+"""Sine of the angle between the cone and its axis."""
+
 _HALF_SIDE = 1.25
 _CONTACT = 0.95
 _BALL = 0.62

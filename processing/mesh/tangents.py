@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from litrig.base.errors import InputError
 
 F32 = NDArray[np.float32]
+Floats = NDArray[np.floating]
 _FLAT = 1e-12
 
 
@@ -30,22 +31,40 @@ def vertex_tangents(positions: F32, normals: F32, uvs: F32, triangles: NDArray[n
     InputError
         u does not vary around some vertex, so that it has no tangent.
     """
+    weighted = area_gradients(positions, uvs[triangles, 0], triangles)
+    summed = np.zeros(positions.shape)
+    for corner in range(3):
+        np.add.at(summed, triangles[:, corner], weighted)
+    return unit_in_plane(summed, np.asarray(normals, np.float64))
+
+
+def area_gradients(positions: Floats, values: Floats, triangles: NDArray[np.integer]) -> NDArray[np.float64]:
+    """Return each triangle's gradient of what is given at its corners, (T, 3), times twice its area.
+
+    Parameters
+    ----------
+    values : (T, 3), at the corners of each triangle
+    """
     corners = np.asarray(positions, np.float64)[triangles]
-    u = np.asarray(uvs, np.float64)[triangles, 0]
+    u = np.asarray(values, np.float64)
     first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     du_first, du_second = u[:, 1] - u[:, 0], u[:, 2] - u[:, 0]
     across = np.cross(first, second)
     twice_area = np.linalg.norm(across, axis=1, keepdims=True)
     # |N| times the gradient: the weight by area comes for free, and a triangle without area has no say.
-    weighted = np.cross(du_first[:, None] * second - du_second[:, None] * first, across)
+    weighted: NDArray[np.float64] = np.cross(du_first[:, None] * second - du_second[:, None] * first, across)
     weighted /= np.maximum(twice_area, _FLAT)
-    summed = np.zeros(positions.shape)
-    for corner in range(3):
-        np.add.at(summed, triangles[:, corner], weighted)
-    return _unit_in_plane(summed, np.asarray(normals, np.float64))
+    return weighted
 
 
-def _unit_in_plane(vectors: NDArray[np.float64], normals: NDArray[np.float64]) -> F32:
+def unit_in_plane(vectors: NDArray[np.float64], normals: NDArray[np.float64]) -> F32:
+    """Bring gradients (V, 3) into the planes of unit normals (V, 3) and to length one.
+
+    Raises
+    ------
+    InputError
+        A gradient vanishes in its plane.
+    """
     flat = vectors - normals * np.sum(vectors * normals, axis=1, keepdims=True)
     length = np.linalg.norm(flat, axis=1, keepdims=True)
     lost = int(np.count_nonzero(length <= _FLAT))

@@ -5,9 +5,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from litrig.base.table_normals import TableNormal, table_normals, table_tangents
+from litrig.base.table_normals import TableNormal, rotate_smallest, table_normals, table_tangents
 from processing.amc.mips import mip_chain
-from processing.amc.model import Amc
+from processing.amc.model import Amc, TangentAngle
 from processing.mesh.model import Mesh
 from processing.reference.camera import Camera
 from processing.reference.raster import rasterise
@@ -39,7 +39,7 @@ def render_amc(amc: Amc, mesh: Mesh, camera: Camera, size: tuple[int, int], *, l
     normals = visible_normals(unit(at_fragments(mesh.normals)), to_eye, seen.front)
     tangents = at_fragments(mesh.tangents)
     tangents = unit(tangents - normals * np.sum(tangents * normals, axis=1, keepdims=True))
-    turned, k = table_coordinates(normals, tangents, to_eye, amc.table_normal)
+    turned, k = table_coordinates(normals, tangents, to_eye, amc.table_normal, amc.tangent_angle)
     picture = np.zeros((size[1], size[0], 4))
     picture[seen.rows, seen.columns, :3] = lookup(amc, turned, k, level)
     picture[seen.rows, seen.columns, 3] = 1
@@ -59,14 +59,22 @@ def visible_normals(normals: F64, to_eye: F64, front: NDArray[np.bool_]) -> F64:
     return np.where(towards < _GRAZING, unit(seen + to_eye * (_GRAZING - towards)), seen)
 
 
-def table_coordinates(normals: F64, tangents: F64, to_eye: F64, kind: TableNormal) -> tuple[Floats, Floats]:
+def table_coordinates(
+    normals: F64,
+    tangents: F64,
+    to_eye: F64,
+    kind: TableNormal,
+    tangent_angle: TangentAngle = TangentAngle.PICTURE,
+) -> tuple[Floats, Floats]:
     """Return the table's normal (N, 3) and k (N,) in [0, 1) (the AMC paper, equation 3).
 
     A table normal that looks away from the camera has no texel; it is read at the rim of the disc.
     """
     turned = table_normals(normals, to_eye, kind)
-    turned_tangents = table_tangents(tangents, normals, turned)
-    k = np.arctan2(turned_tangents[:, 1], turned_tangents[:, 0]) / (2 * math.pi)
+    across = table_tangents(tangents, normals, turned)
+    if tangent_angle is TangentAngle.SURFACE:
+        across = rotate_smallest(across, turned, np.array([0.0, 0.0, 1.0]))
+    k = np.arctan2(across[:, 1], across[:, 0]) / (2 * math.pi)
     k = k - np.floor(k)
     on_rim = turned * np.array([1.0, 1.0, 0.0])
     turned = np.where(turned[:, 2:] < 0, unit(on_rim), turned)

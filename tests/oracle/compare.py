@@ -1,5 +1,6 @@
 """How near a picture that was predicted from a table comes to the one that mitsuba rendered."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -51,7 +52,7 @@ def predict(amc: Amc, surface: Surface, where: Mask, off_deg: float = 0.0) -> F6
     off = np.radians(off_deg)
     tangents = np.cos(off) * tangents + np.sin(off) * np.cross(normals, tangents)
     to_eye = np.broadcast_to(np.array([0.0, 0.0, 1.0]), normals.shape)
-    turned, k = table_coordinates(normals, tangents, to_eye, amc.table_normal)
+    turned, k = table_coordinates(normals, tangents, to_eye, amc.table_normal, amc.tangent_angle)
     return lookup(amc, turned, k)
 
 
@@ -67,9 +68,9 @@ def amc_psnr_db(amc: Amc, truth: Truth, off_deg: float = 0.0) -> float:
     return psnr_db(predict(amc, truth.surface, where, off_deg), truth.picture[where])
 
 
-def relative_rmse(amc: Amc, truth: Truth, largest_radius: float = 0.8) -> float:
-    """Return the RMS error of a prediction by the RMS of the truth, away from the rim."""
+def relative_rmse(tables: Sequence[Amc], truth: Truth, largest_radius: float = 0.8) -> float:
+    """Return the RMS error of what tables predict together by the RMS of the truth, away from the rim."""
     where = trusted(truth.surface, largest_radius)
     picture = truth.picture[where].astype(np.float64)
-    error = predict(amc, truth.surface, where) - picture
+    error = sum(predict(amc, truth.surface, where) for amc in tables) - picture
     return float(np.sqrt(np.mean(error**2) / np.mean(picture**2)))

@@ -26,6 +26,14 @@ class Prediction(NamedTuple):
     off_by_90_db: float
 
 
+class SplitErrors(NamedTuple):
+    """RMS errors relative to the truth's RMS."""
+
+    split: float
+    rectified: float
+    camera: float
+
+
 class PtmFit(NamedTuple):
     """PSNR in dB over all frames, of our file and of an independent float fit."""
 
@@ -33,10 +41,13 @@ class PtmFit(NamedTuple):
     lstsq_db: float
 
 
-def predict_brushing(studio: Studio, metal: MitsubaScene, brushing: Brushing) -> Prediction:
-    """Build an AMC from a turn of parallels, and predict another brushing of the same metal."""
-    amc = studio.table(seen_from(metal, None), NAIVE).amc
-    truth = studio.truth(metal, brushing)
+def predict_brushing(
+    studio: Studio, material: MitsubaScene, brushing: Brushing, distance_radii: float | None = None
+) -> Prediction:
+    """Build an AMC from a turn of parallels, and predict another brushing of the same material."""
+    way = NAIVE if distance_radii is None else TableNormal.RECTIFIED
+    amc = studio.table(seen_from(material, distance_radii), way).amc
+    truth = studio.truth(material, brushing)
     return Prediction(amc_psnr_db(amc, truth), amc_psnr_db(amc, truth, off_deg=90))
 
 
@@ -52,7 +63,16 @@ def perspective_error(
 ) -> float:
     """Build an AMC from perspective pictures, and return its relative RMS error against an orthographic render."""
     amc = studio.table(seen_from(metal, distance_radii), way).amc
-    return relative_rmse(amc, studio.truth(metal, brushing))
+    return relative_rmse([amc], studio.truth(metal, brushing))
+
+
+def split_errors(studio: Studio, material: MitsubaScene, distance_radii: float, brushing: Brushing) -> SplitErrors:
+    """Compare the sum of a low and a high table with either way alone."""
+    scene = seen_from(material, distance_radii)
+    truth = studio.truth(material, brushing)
+    low_high = [result.amc for result in studio.split(scene)]
+    alone = (studio.table(scene, way).amc for way in (TableNormal.RECTIFIED, TableNormal.CAMERA))
+    return SplitErrors(relative_rmse(low_high, truth), *(relative_rmse([amc], truth) for amc in alone))
 
 
 def fabric_verdict(studio: Studio, invariance: Invariance, distance_radii: float | None) -> AmcResult:

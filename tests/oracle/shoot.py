@@ -15,8 +15,9 @@ from litrig.base.capture_folder.reader import ANGLES, read_capture
 from litrig.base.lp import LightDirections, write_lp
 from litrig.base.pictures import write_picture
 from litrig.base.table_normals import TableNormal
-from processing.amc.build import AmcResult, build
-from processing.amc.circle import Circle
+from processing.amc.build import AmcResult, build, build_split
+from processing.amc.outline.circle import Circle
+from processing.amc.settings import Settings
 from tests.oracle.compare import Truth
 
 F64 = NDArray[np.float64]
@@ -38,6 +39,10 @@ METALS = {
     "fine aluminium": MitsubaScene(radius_px=200, roughness_along=0.06, roughness_across=0.25),
     "gold": MitsubaScene(radius_px=200, metal="gold"),
 }
+FABRIC = MitsubaScene(sample="fabric", invariance=2, radius_px=200)
+MATERIALS = {**METALS, "weave": FABRIC}
+BOTH = MitsubaScene(radius_px=200, diffuse_share=0.7, roughness_along=0.06, roughness_across=0.25)
+"""Thin metal over matt paint: diffuse light and gloss in one."""
 FABRICS: tuple[Invariance, ...] = (1, 2, 3, 4, "isotropic")
 RELIEF = MitsubaScene(sample="relief", lights="lamp", projection="orthographic")
 
@@ -66,6 +71,7 @@ class Studio:
     _captures: dict[MitsubaScene, Capture] = field(default_factory=dict)
     _truths: dict[MitsubaScene, Truth] = field(default_factory=dict)
     _tables: dict[tuple[MitsubaScene, Way], AmcResult] = field(default_factory=dict)
+    _splits: dict[MitsubaScene, tuple[AmcResult, AmcResult]] = field(default_factory=dict)
 
     def capture(self, scene: MitsubaScene) -> Capture:
         """Capture a turn in the studio's light, or the sample under many lamps."""
@@ -83,15 +89,20 @@ class Studio:
         """Build the AMC of a turn, with normals brought to the table in some way; the circle is the promised one."""
         if (scene, way) not in self._tables:
             distance = None if way is NAIVE else scene.distance_radii
-            normal = way or TableNormal.RECTIFIED
-            self._tables[scene, way] = build(
-                self.capture(scene),
-                circle=self.circle(scene),
-                size=self.side_px,
-                distance_radii=distance,
-                table_normal=normal,
-            )
+            settings = self._settings(scene, distance, way or TableNormal.RECTIFIED)
+            self._tables[scene, way] = build(self.capture(scene), settings)
         return self._tables[scene, way]
+
+    def split(self, scene: MitsubaScene) -> tuple[AmcResult, AmcResult]:
+        """Build the low and the high table of a turn."""
+        if scene not in self._splits:
+            settings = self._settings(scene, scene.distance_radii, TableNormal.RECTIFIED)
+            self._splits[scene] = build_split(self.capture(scene), settings)
+        return self._splits[scene]
+
+    def _settings(self, scene: MitsubaScene, distance_radii: float | None, normal: TableNormal) -> Settings:
+        circle = self.circle(scene)
+        return Settings(size=self.side_px, circle=circle, distance_radii=distance_radii, table_normal=normal)
 
     def truth(self, scene: MitsubaScene, brushing: Brushing, seed: int = 2) -> Truth:
         """Render the orthographic picture of another brushing, at an angle that no slice has."""

@@ -8,12 +8,13 @@ import pytest
 from click.testing import CliRunner, Result
 
 from litrig.base.errors import InputError
-from litrig.base.pictures import read_codes
-from processing.amc.ktx2 import read_amc
-from processing.cli import amc, ptm
+from litrig.base.pictures import read_codes, read_linear, write_codes, write_picture
+from processing.amc.cli import amc
+from processing.amc.files.ktx2 import read_amc
+from processing.ptm.cli import ptm
 from processing.ptm.ptm_file import read_ptm
 from processing.ptm.relight import relight
-from tests.processing.amc.brushed_sphere import Scene
+from tests.processing.amc.brushed_sphere import Scene, true_table
 from tests.processing.ptm.relief import dome, write_relief
 
 
@@ -39,7 +40,7 @@ def test_build_writes_the_table_and_says_what_it_found(sphere: Path, tmp_path: P
     out = tmp_path / "x.amc.ktx2"
     result = run(amc, "build", sphere, "-o", out, "--size", 24)
     assert result.exit_code == 0
-    for words in ("centre 59.", "radius 46.", "orthographic", "R = 2\n", "8 slices of 24 × 24", str(out)):
+    for words in ("centre 59.", "radius 46.", "orthographic", "R = 2 (in 100% of", "8 slices of 24 × 24", str(out)):
         assert words in result.output
     assert read_amc(out).slices.shape == (8, 24, 24, 3)
 
@@ -62,6 +63,89 @@ def test_build_takes_the_distance_from_a_camera_model(sphere: Path, tmp_path: Pa
     )
     result = run(amc, "build", sphere, "-o", tmp_path / "x.amc.ktx2", "--size", 16, "--camera", camera)
     assert "camera at 10.0" in result.output
+
+
+def test_build_speaks_json_and_writes_a_page(sphere: Path, tmp_path: Path) -> None:
+    out, page = tmp_path / "x.amc.ktx2", tmp_path / "x.report"
+    result = run(amc, "build", sphere, "-o", out, "--size", 24, "--json", "--report", page)
+    (said,) = json.loads(result.stdout)["tables"]
+    assert (said["file"], said["found"], said["depth"]) == (str(out), 2, 8)
+    assert said["circle_px"] == pytest.approx([59.3, 54.8, 46.4], abs=0.3)
+    assert len(said["residuals"]) == 16
+    html = (page / "index.html").read_text()
+    for picture in ("mean.png", "rotation.png", "residuals.png", "ranks.png"):
+        assert picture in html
+        assert read_codes(page / picture).std() > 1
+
+
+def test_build_splits_diffuse_light_from_gloss(sphere: Path, tmp_path: Path) -> None:
+    result = run(amc, "build", sphere, "-o", tmp_path / "x.amc.ktx2", "--size", 24, "--split", "--distance", 8)
+    assert result.exit_code == 0
+    low, high = (read_amc(tmp_path / f"x.{name}.amc.ktx2") for name in ("low", "high"))
+    assert (str(low.table_normal), str(high.table_normal)) == ("camera", "rectified")
+    assert low.invariance == "isotropic"
+    assert high.invariance == 2
+    assert not (tmp_path / "x.amc.ktx2").exists()
+
+
+def test_build_makes_a_companion_without_the_key_light(sphere: Path, tmp_path: Path) -> None:
+    dark = Scene(circle=(59.3, 54.8, 46.4), shape=(110, 118), samples=2, lights=1)
+    folder = dark.shoot(tmp_path / "dark", np.linspace(0, 337.5, 16))
+    run(amc, "build", sphere, "-o", tmp_path / "x.amc.ktx2", "--size", 24, "--unlit", folder)
+    lit, unlit = (read_amc(tmp_path / name) for name in ("x.amc.ktx2", "x.unlit.amc.ktx2"))
+    assert lit.slices.shape == unlit.slices.shape
+    assert (lit.invariance, lit.tangent_angle) == (unlit.invariance, unlit.tangent_angle)
+    assert unlit.slices.mean() < 0.8 * lit.slices.mean()
+
+
+def test_build_spreads_pictures_without_angles_evenly(sphere: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "plain"
+    folder.mkdir()
+    for picture in sphere.glob("*.png"):
+        (folder / picture.name).write_bytes(picture.read_bytes())
+    with pytest.raises(InputError, match=r"frame_0000\.png: has no turntable angle.*--even"):
+        run(amc, "build", folder, "-o", tmp_path / "x.amc.ktx2")
+    run(amc, "build", folder, "-o", tmp_path / "x.amc.ktx2", "--even", "--size", 16)
+    assert read_amc(tmp_path / "x.amc.ktx2").slice_angles_deg == pytest.approx(np.arange(16) * 22.5)
+    with pytest.raises(InputError, match="leave --even out"):
+        run(amc, "build", sphere, "-o", tmp_path / "y.amc.ktx2", "--even")
+
+
+def test_build_takes_a_mask(sphere: Path, tmp_path: Path) -> None:
+    mask = np.zeros((110, 118, 3), np.uint8)
+    mask[40:50, 60:90] = 255
+    write_codes(tmp_path / "mask.png", mask)
+    out = tmp_path / "x.amc.ktx2"
+    result = run(amc, "build", sphere, "-o", out, "--size", 24, "--mask", tmp_path / "mask.png", "--json")
+    (said,) = json.loads(result.stdout)["tables"]
+    assert 0.03 < said["filled"] < 0.15
+
+
+def test_low_rank_tables_are_built_converted_and_described(sphere: Path, tmp_path: Path) -> None:
+    run(amc, "build", sphere, "-o", tmp_path / "x.amc.exr", "--size", 24, "--rank", 5)
+    facts = json.loads(run(amc, "info", tmp_path / "x.amc.exr", "--json").output)
+    assert (facts["rank"], facts["depth"], facts["invariance"]) == (5, 8, 2)
+    run(amc, "convert", tmp_path / "x.amc.exr", tmp_path / "x.amc.ktx2")
+    run(amc, "build", sphere, "-o", tmp_path / "whole.amc.ktx2", "--size", 24)
+    low, whole = (read_amc(tmp_path / name) for name in ("x.amc.ktx2", "whole.amc.ktx2"))
+    assert 0 < np.abs(low.slices - whole.slices)[whole.valid].max() < 0.1
+
+
+def test_the_isotropic_matcap_is_the_mean_of_the_slices(sphere: Path, tmp_path: Path) -> None:
+    run(amc, "build", sphere, "-o", tmp_path / "x.amc.ktx2", "--size", 24)
+    run(amc, "isotropic", tmp_path / "x.amc.ktx2", "-o", tmp_path / "x.exr")
+    mean = read_amc(tmp_path / "x.amc.ktx2").slices.mean(axis=0)
+    assert read_linear(tmp_path / "x.exr") == pytest.approx(mean, abs=1e-6)
+
+
+def test_a_photograph_of_a_ball_becomes_a_matcap(tmp_path: Path) -> None:
+    scene = Scene("isotropic", (159.3, 134.8, 106.4), (270, 318), background="clutter")
+    write_picture(tmp_path / "ball.png", scene.picture(0).astype(np.float32))
+    result = run(amc, "matcap", tmp_path / "ball.png", "-o", tmp_path / "x.png", "--size", 64)
+    assert "ball: centre 159." in result.output
+    truth, radius = true_table("isotropic", 64, np.zeros(1))
+    made = read_linear(tmp_path / "x.png")
+    assert np.sqrt(np.mean((made - truth[0])[radius < 0.9] ** 2)) < 0.02
 
 
 def test_amc_info_speaks_json(sphere: Path, tmp_path: Path) -> None:
@@ -146,7 +230,7 @@ def test_a_light_below_the_horizon_is_refused(relief: Path, tmp_path: Path) -> N
         run(ptm, "relight", tmp_path / "x.ptm", "--light", 0.8, 0.8, "-o", tmp_path / "lit.png")
 
 
-@pytest.mark.parametrize("words", [["build"], ["info"]])
+@pytest.mark.parametrize("words", [["build"], ["info"], ["isotropic"], ["matcap"], ["convert"]])
 def test_every_amc_command_has_help_and_an_example(words: list[str]) -> None:
     assert f"Example: litrig amc {words[0]}" in " ".join(run(amc, *words, "--help").output.split())
 

@@ -1,6 +1,7 @@
 """The shader draws what the NumPy reference says, to two codes of 255."""
 
 import dataclasses
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -9,9 +10,9 @@ import pytest
 
 from litrig.base.errors import InputError
 from litrig.base.table_normals import TableNormal
-from processing.amc.ktx2 import read_levels, write_amc
+from processing.amc.files.ktx2 import read_levels, write_amc
 from processing.amc.mips import mip_chain
-from processing.amc.model import Amc, Invariance
+from processing.amc.model import Amc, Invariance, TangentAngle
 from processing.mesh.builtin import builtin_mesh, cloth, ribbon, torus
 from processing.reference.amc import render_amc
 from processing.reference.display import display_codes
@@ -53,6 +54,21 @@ def test_shader_and_reference_agree(
     assert truth[covered][:, :3].std() > 15, "a picture that shows the material"
     apart = np.abs(drawn - truth).max(axis=-1)[covered]
     assert np.quantile(apart, 0.999) <= 2
+
+
+@pytest.mark.parametrize("projection", Projection)
+def test_an_angle_in_the_surface_is_looked_up_as_the_reference_does(renderer: Renderer, projection: Projection) -> None:
+    in_picture = brushed_amc(32, 30, 4)
+    amc = replace(in_picture, tangent_angle=TangentAngle.SURFACE)
+    view = View(projection, yaw_deg=25, pitch_deg=35, fov_deg=50)
+    drawn, other = (
+        display_codes(renderer.render_amc(table, MESHES["torus"], view, size=SIZE, level=0)).astype(int)
+        for table in (amc, in_picture)
+    )
+    truth = display_codes(render_amc(amc, MESHES["torus"], view.camera(SIZE), SIZE, level=0)).astype(int)
+    covered = (drawn[..., 3] > 0) | (truth[..., 3] > 0)
+    assert np.quantile(np.abs(drawn - truth).max(axis=-1)[covered], 0.999) <= 2
+    assert np.abs(drawn - other).max() > 20, "the two angles differ on tilted normals"
 
 
 @pytest.mark.parametrize("projection", Projection)

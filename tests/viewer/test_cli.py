@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from litrig.base.errors import InputError, LitrigError
 from litrig.base.pictures import read_linear
 from litrig.base.radiometry import to_u8
-from processing.amc.ktx2 import write_amc
+from processing.amc.files.ktx2 import read_amc, write_amc
+from processing.amc.isotropic import isotropic_matcap
+from processing.amc.model import Amc
 from processing.ptm.model import Ptm
 from processing.ptm.ptm_file import read_ptm, write_ptm
 from processing.ptm.relight import relight
@@ -36,7 +38,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def run(*arguments: str | Path) -> str:
+def run(*arguments: str | Path | float) -> str:
     """Run the command as the front door does: errors of litrig come through."""
     words = [str(argument) for argument in arguments]
     return CliRunner().invoke(render, words, standalone_mode=False, catch_exceptions=False).output
@@ -49,7 +51,7 @@ def codes(path: Path) -> NDArray[np.uint8]:
     return np.asarray(cv2.cvtColor(picture, order), np.uint8)
 
 
-@pytest.mark.parametrize("mesh", ["torus", "sphere", "cloth", "ribbon", "pillow"])
+@pytest.mark.parametrize("mesh", ["torus", "sphere", "cloth", "ribbon", "pillow", "sewn"])
 def test_an_amc_is_drawn_on_every_mesh(files: Path, tmp_path: Path, mesh: str) -> None:
     run(files / "brushed.amc.ktx2", "-o", tmp_path / "x.png", "--mesh", mesh, *SMALL)
     picture = codes(tmp_path / "x.png")
@@ -80,6 +82,65 @@ def test_every_option_of_the_view_changes_the_picture(files: Path, tmp_path: Pat
     run(files / "brushed.amc.ktx2", "-o", tmp_path / "a.png", *cloth)
     run(files / "brushed.amc.ktx2", "-o", tmp_path / "b.png", *cloth, *option)
     assert np.abs(codes(tmp_path / "a.png").astype(int) - codes(tmp_path / "b.png")).max() > 20
+
+
+def direction_map(path: Path, x: float, y: float) -> Path:
+    """One direction all over."""
+    blue_green_red = np.array([0, round(255 * (y + 1) / 2), round(255 * (x + 1) / 2)], np.uint8)
+    cv2.imwrite(str(path), np.tile(blue_green_red, (3, 4, 1)))
+    return path
+
+
+def test_the_same_torus_with_its_grain_turned_is_another_picture(files: Path, tmp_path: Path) -> None:
+    """And half a turn is none for a material with R = 2."""
+    for turn_deg in (0, 90, 180):
+        run(files / "brushed.amc.ktx2", "-o", tmp_path / f"{turn_deg}.png", "--turn", turn_deg, *SMALL)
+    straight, across, back = (codes(tmp_path / f"{turn_deg}.png").astype(int) for turn_deg in (0, 90, 180))
+    assert np.abs(across - straight).max() > 50
+    np.testing.assert_allclose(back, straight, atol=1)
+
+
+def test_directions_can_be_painted_and_then_turned(files: Path, tmp_path: Path) -> None:
+    up = direction_map(tmp_path / "up.png", 0, 1)
+    run(files / "brushed.amc.ktx2", "-o", tmp_path / "a.png", "--directions", up, *SMALL)
+    run(files / "brushed.amc.ktx2", "-o", tmp_path / "b.png", "--turn", 90, *SMALL)
+    np.testing.assert_allclose(codes(tmp_path / "a.png").astype(int), codes(tmp_path / "b.png"), atol=2)
+    run(files / "brushed.amc.ktx2", "-o", tmp_path / "c.png", "--directions", up, "--turn", -90, *SMALL)
+    run(files / "brushed.amc.ktx2", "-o", tmp_path / "d.png", *SMALL)
+    np.testing.assert_allclose(codes(tmp_path / "c.png").astype(int), codes(tmp_path / "d.png"), atol=2)
+
+
+def test_a_map_that_names_no_direction_is_refused_with_its_name(files: Path, tmp_path: Path) -> None:
+    grey = direction_map(tmp_path / "grey.png", 0, 0)
+    with pytest.raises(InputError, match=r"grey\.png: names no direction at (\d+) of \1 vertices; paint"):
+        run(files / "brushed.amc.ktx2", "-o", tmp_path / "x.png", "--directions", grey, *SMALL)
+    assert not (tmp_path / "x.png").exists()
+
+
+def test_the_light_breaks_at_a_seam_of_an_amc_and_not_of_its_isotropic_matcap(files: Path, tmp_path: Path) -> None:
+    """The AMC paper's figure 11."""
+    amc = read_amc(files / "brushed.amc.ktx2")
+    write_amc(tmp_path / "isotropic.amc.ktx2", Amc(isotropic_matcap(amc)[None], amc.valid[:1], "isotropic"))
+    jumps = []
+    for file in (files / "brushed.amc.ktx2", tmp_path / "isotropic.amc.ktx2"):
+        run(
+            file,
+            "-o",
+            tmp_path / "x.png",
+            "--mesh",
+            "sewn",
+            "--pitch",
+            20,
+            "--size",
+            240,
+            240,
+            "--background",
+            "#000000",
+        )
+        # Down the middle of the front, over the seam between yoke and panel.
+        line = codes(tmp_path / "x.png")[95:118, 105:140].astype(int)
+        jumps.append(np.abs(np.diff(line, axis=0)).max(axis=0).mean())
+    assert jumps[0] > 3 * jumps[1]
 
 
 def test_a_transparent_background_is_alpha(files: Path, tmp_path: Path) -> None:
@@ -136,6 +197,20 @@ def test_a_ptm_can_be_laid_on_a_mesh(files: Path, tmp_path: Path) -> None:
         pytest.param(
             ["coin.ptm", "-o", "x.png", "--yaw", "0"], "--yaw would not change a flat", id="a turn of a flat PTM"
         ),
+        pytest.param(["coin.ptm", "-o", "x.png", "--turn", "90"], "has no grain to turn", id="a turned flat PTM"),
+        pytest.param(
+            ["coin.ptm", "-o", "x.png", "--mesh", "torus", "--turn", "90"], "has no grain to turn", id="a turned PTM"
+        ),
+        pytest.param(
+            ["coin.ptm", "-o", "x.png", "--directions", "map.png"], "or to paint; leave out", id="a painted flat PTM"
+        ),
+        pytest.param(
+            ["brushed.amc.ktx2", "-o", "x.png", "--directions", "no.png"], r"no\.png: no such", id="missing directions"
+        ),
+        pytest.param(
+            ["brushed.amc.ktx2", "-o", "x.png", "--directions", "x.jpg"], "use PNG or EXR", id="directions as JPEG"
+        ),
+        pytest.param(["brushed.amc.ktx2", "-o", "x.png", "--turn", "nan"], "cannot be turned by nan", id="turn by nan"),
         pytest.param(["coin.ptm", "-o", f"{'x' * 300}.png"], "File name too long", id="a name too long"),
         pytest.param(["brushed.amc.ktx2", "-o", "x.png", "--fov", "170"], "outside 1..120", id="a field of view"),
         pytest.param(

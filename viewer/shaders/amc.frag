@@ -7,6 +7,7 @@
 
 uniform sampler3D table;   // columns, rows (row 0 at n_y = +1), slices
 uniform int table_normal;
+uniform bool angle_in_surface; // k counts the tangent's angle there, not that of its picture
 uniform float repeats;     // R
 uniform float first_slice; // texture coordinate of slice 0: the centre of its texel
 uniform float level;       // mip level to read; below 0: the one that fits
@@ -36,7 +37,7 @@ void main() {
     vec3 t = rotate_smallest(tangent_in_plane(n), n, turned);
     vec2 disc = turned.z < 0.0 ? normalize(turned.xy) : turned.xy;
     vec2 place = vec2(0.5 + 0.5 * disc.x, 0.5 - 0.5 * disc.y);
-    float k = tangent_k(t.xy);
+    float k = tangent_k(angle_in_surface ? rotate_smallest(t, turned, Z).xy : t.xy);
     float k_prime = fract(k + 0.5) - 0.5;
     // On a triangle seen nearly edge-on a pixel's neighbours are extrapolated far past its corners, the farther the
     // more it is turned away, and the silhouette would be read from levels that are much too small.

@@ -70,6 +70,24 @@ def pair_lights(capture: Capture, lights: LightDirections, source: Path) -> Capt
     return replace(capture, frames=tuple(replace(frames[name], light=light) for name, light in paired))
 
 
+def turn_evenly(capture: Capture) -> Capture:
+    """Spread the frames of a plain folder evenly over one turn, in the order of their names.
+
+    Raises
+    ------
+    InputError
+        A frame has an angle already.
+    """
+    known = [frame.path.name for frame in capture.frames if frame.angle_deg is not None]
+    if known:
+        raise InputError(f"{capture.folder}: {_some(known)} have turntable angles already; leave --even out")
+    frames = [frame for frame in capture.frames if frame.role is Role.FRAME]
+    others = tuple(frame for frame in capture.frames if frame.role is not Role.FRAME)
+    step_deg = 360 / max(1, len(frames))
+    turned = tuple(replace(frame, angle_deg=step_deg * index) for index, frame in enumerate(frames))
+    return replace(capture, frames=turned + others)
+
+
 def _read_session(folder: Path) -> Capture:
     journal = read_journal(folder / layout.JOURNAL)
     check_frame_lines(journal, folder / layout.JOURNAL)

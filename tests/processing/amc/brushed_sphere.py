@@ -9,6 +9,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import OpenEXR
 from numpy.typing import NDArray
 
 F64 = NDArray[np.float64]
@@ -98,20 +99,64 @@ class Scene:
     noise: float = 0.0
     lights: int = 4
     ambient: float = 0.02
+    offset_px: float = 0.0
+    phase_deg: float = 0.0
+    wobble_px: float = 0.0
+    plate: str = "none"
+    seams: int = 0
+    dirt: float = 0.0
+    blur_px: float = 0.0
+    gain: float = 1.0
     _seed: np.random.Generator = field(default_factory=lambda: np.random.default_rng(7))
+
+    def circle_at(self, angle_deg: float) -> tuple[float, float, float]:
+        """The silhouette at a turntable angle: `circle`, carried round by a mounting off the axis and by play."""
+        round_rad, play = np.radians(angle_deg + self.phase_deg), np.radians(angle_deg)
+        x_px = self.offset_px * np.cos(round_rad) + self.wobble_px * np.sin(2 * play + 1)
+        y_px = -self.offset_px * np.sin(round_rad) + self.wobble_px * np.sin(3 * play)
+        return self.circle[0] + float(x_px), self.circle[1] + float(y_px), self.circle[2]
 
     def picture(self, angle_deg: float) -> F64:
         """Linear light (H, W, 3) with the sphere turned by this angle, antialiased by a box."""
         height, width = self.shape
-        fine_y, fine_x = ((np.arange(n * self.samples) + 0.5) / self.samples for n in (height, width))
-        x = (fine_x[None, :] - self.circle[0]) / self.circle[2] + 0 * fine_y[:, None]
-        y = -(fine_y[:, None] - self.circle[1]) / self.circle[2] + 0 * fine_x[None, :]
-        light = self._behind(fine_x[None, :] + 0 * y, fine_y[:, None] + 0 * x)
-        hit, normal, to_eye = self._hits(x, y)
+        fine_y, fine_x = np.meshgrid(
+            *((np.arange(n * self.samples) + 0.5) / self.samples for n in (height, width)), indexing="ij"
+        )
+        light = self._behind(fine_x, fine_y)
+        self._lay_plate(light, fine_x, fine_y, angle_deg)
+        centre_x, centre_y, radius = self.circle_at(angle_deg)
+        hit, normal, to_eye = self._hits((fine_x - centre_x) / radius, (centre_y - fine_y) / radius)
         tangent = tangent_at(normal, angle_deg + self.tangent_zero_deg)
         light[hit] = shade(self.kind, normal, tangent, to_eye, self.lights, self.ambient)
-        light = light.reshape(height, self.samples, width, self.samples, 3).mean(axis=(1, 3))
+        light[hit] *= self._albedo(normal, angle_deg)
+        if self.blur_px:
+            light = np.asarray(cv2.GaussianBlur(light, (0, 0), self.blur_px * self.samples), np.float64)
+        light = self.gain * light.reshape(height, self.samples, width, self.samples, 3).mean(axis=(1, 3))
         return np.asarray(light + self.noise * self._seed.standard_normal(light.shape))
+
+    def _albedo(self, normal: F64, angle_deg: float) -> F64:
+        """Dirt and cuts of the cover, which turn with it; (N, 1)."""
+        azimuth = np.arctan2(normal[:, 1], normal[:, 0]) - np.radians(angle_deg)
+        flat = np.hypot(normal[:, 0], normal[:, 1])
+        u, v = flat * np.cos(azimuth), flat * np.sin(azimuth)
+        albedo = 1 + self.dirt * np.sin(11 * u + 3 * np.sin(7 * v)) * np.sin(13 * v + 2 * np.cos(5 * u))
+        for seam in range(self.seams):
+            away = np.angle(np.exp(1j * (azimuth - 0.4 - 2 * np.pi * seam / self.seams)))
+            albedo[(np.abs(away) * flat < 0.04) & (flat > 0.4)] *= 0.15
+        return np.asarray(albedo[:, None])
+
+    def _lay_plate(self, light: F64, x: F64, y: F64, angle_deg: float) -> None:
+        """A printed board under the sphere that turns with it."""
+        if self.plate == "none":
+            return
+        turn = np.radians(angle_deg)
+        right, up = (x - self.circle[0]) / self.circle[2], (self.circle[1] - y) / self.circle[2]
+        u = right * np.cos(turn) + up * np.sin(turn)
+        v = up * np.cos(turn) - right * np.sin(turn)
+        print_ = 0.35 + 0.2 * np.sin(7 * u + 3 * np.sin(5 * v)) + 0.12 * np.sign(np.sin(9 * v + 1.3) * np.sin(8 * u))
+        reach = {"all over": 0 * u, "round": np.hypot(u, v) / 1.4, "square": np.maximum(np.abs(u), np.abs(v)) / 1.25}
+        laid = reach[self.plate] < 1
+        light[laid] = (print_[..., None] * np.array([0.9, 1.0, 0.7]))[laid]
 
     def _hits(self, x: F64, y: F64) -> tuple[NDArray[np.bool_], F64, F64]:
         inside = x**2 + y**2 < 1
@@ -126,13 +171,24 @@ class Scene:
         return inside, _unit(eye + reach * ray), -ray
 
     def _behind(self, x: F64, y: F64) -> F64:
+        if self.background == "limb":
+            return self._like_limb(x, y)
         grey = {
             "grey": 0.2 + 0 * x,
             "black": 0.0 * x,
             "white": 0.8 + 0 * x,
+            "gradient": 0.15 + 0.5 * x / self.shape[1] - 0.1 * y / self.shape[0],
             "clutter": 0.3 + 0.2 * np.sign(np.sin(x / 9) * np.sin(y / 7 + x / 40)) + 0.1 * np.sin(x * y / 500),
         }[self.background]
         return np.asarray(np.repeat(grey[..., None], 3, axis=-1) * np.array([1.0, 0.9, 0.8]))
+
+    def _like_limb(self, x: F64, y: F64) -> F64:
+        """As bright as the rim is at turntable zero, all around."""
+        right, up = x - self.circle[0], self.circle[1] - y
+        far = np.maximum(np.hypot(right, up), 1e-9)
+        normal = _unit(np.stack([right / far, up / far, np.full_like(far, 0.02)], axis=-1))
+        eye = np.broadcast_to([0.0, 0.0, 1.0], normal.shape)
+        return shade(self.kind, normal, tangent_at(normal, self.tangent_zero_deg), eye, self.lights, self.ambient)
 
     def shoot(self, folder: Path, angles_deg: F64, ending: str = ".png", gain: float = 1.0) -> Path:
         """Write a plain folder: one picture an angle, and angles.csv."""
@@ -140,9 +196,15 @@ class Scene:
         lines = ["name,deg"]
         for index, angle in enumerate(angles_deg):
             name = f"frame_{index:04d}{ending}"
-            codes = np.rint(encode(gain * self.picture(float(angle))) * 255).astype(np.uint8)
-            quality = [cv2.IMWRITE_JPEG_QUALITY, 95] if ending == ".jpg" else []
-            cv2.imwrite(str(folder / name), codes[..., ::-1], quality)
+            _write(folder / name, gain * self.picture(float(angle)))
             lines.append(f"{name},{float(angle):.6f}")
         (folder / "angles.csv").write_text("\n".join(lines) + "\n")
         return folder
+
+
+def _write(path: Path, linear: F64) -> None:
+    if path.suffix == ".exr":
+        OpenEXR.File({"type": OpenEXR.scanlineimage}, {"RGB": linear.astype(np.float32)}).write(str(path))
+        return
+    codes = np.rint(encode(linear) * 255).astype(np.uint8)
+    cv2.imwrite(str(path), codes[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 95] if path.suffix == ".jpg" else [])

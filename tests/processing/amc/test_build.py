@@ -14,11 +14,12 @@ from litrig.base.capture_folder.capture import Capture
 from litrig.base.capture_folder.reader import read_capture
 from litrig.base.errors import InputError
 from litrig.base.progress import Progress
-from litrig.base.table_normals import TableNormal
-from processing.amc.build import build
-from processing.amc.circle import Circle
-from processing.amc.model import Amc
-from tests.processing.amc.brushed_sphere import Scene, true_table
+from litrig.base.table_normals import TableNormal, rotate_smallest
+from processing.amc.build import build, build_split, build_unlit
+from processing.amc.model import Amc, TangentAngle
+from processing.amc.outline.circle import Circle
+from processing.amc.settings import Settings
+from tests.processing.amc.brushed_sphere import Scene, shade, true_table
 
 SIZE = 32
 CIRCLE = Circle(59.3, 54.8, 46.4)
@@ -49,7 +50,7 @@ class Folders:
 
 def build_there(capture: Capture, **options: Any) -> Amc:
     """Build with the circle given, for tests that are about something else."""
-    return build(capture, **{"size": SIZE, "circle": CIRCLE, **options}).amc
+    return build(capture, Settings(**{"size": SIZE, "circle": CIRCLE, **options})).amc
 
 
 def error_against(amc: Amc, kind: str, taus_deg: NDArray[np.float64] | None = None) -> float:
@@ -68,7 +69,7 @@ def test_an_orthographic_table_is_the_material(folders: Folders, kind: str) -> N
 @pytest.mark.parametrize(("kind", "found"), [("1", 1), ("2", 2), ("3", 3), ("4", 4), ("isotropic", "isotropic")])
 @pytest.mark.parametrize("distance_radii", [None, 4.0])
 def test_the_invariance_is_found(folders: Folders, kind: str, found: int | str, distance_radii: float | None) -> None:
-    result = build(folders.shoot(kind, distance_radii), size=SIZE, distance_radii=distance_radii)
+    result = build(folders.shoot(kind, distance_radii), Settings(size=SIZE, distance_radii=distance_radii))
     assert result.amc.invariance == result.invariance.found == found
     assert len(result.amc.slices) == (1 if found == "isotropic" else SLICES / int(found))
 
@@ -109,6 +110,57 @@ def test_the_tangent_at_turntable_zero_shifts_the_slices(folders: Folders) -> No
     assert amc.slice_angles_deg == pytest.approx(EVEN_DEG + 30)
 
 
+def test_angles_that_count_clockwise_are_turned_round(folders: Folders) -> None:
+    capture = folders.shoot("1")
+    frames = tuple(replace(frame, angle_deg=-(frame.angle_deg or 0)) for frame in capture.frames)
+    amc = build_there(replace(capture, frames=frames), invariance=1, depth=SLICES, clockwise=True)
+    assert error_against(amc, "1") < 0.012
+
+
+def test_low_and_high_add_up_to_the_material(folders: Folders) -> None:
+    """Without perspective the two tables have the same normals."""
+    settings = Settings(size=SIZE, circle=CIRCLE, invariance=1, depth=SLICES)
+    low, high = build_split(folders.shoot("2"), settings)
+    total = replace(high.amc, slices=high.amc.slices + low.amc.slices)
+    assert error_against(total, "2") < 0.02
+    assert low.invariance.variation < 0.3 * high.invariance.variation
+
+
+def test_in_perspective_each_part_has_its_own_normals(folders: Folders) -> None:
+    capture = folders.shoot("2", 4.0)
+    low, high = build_split(capture, Settings(size=SIZE, circle=CIRCLE, distance_radii=4.0))
+    assert (low.amc.table_normal, high.amc.table_normal) == (TableNormal.CAMERA, TableNormal.RECTIFIED)
+    assert low.amc.slices.min() >= 0
+    assert high.amc.slices.min() >= 0
+
+
+def test_the_unlit_companion_is_of_the_same_form(folders: Folders) -> None:
+    lit = build(folders.shoot("2"), Settings(size=SIZE))
+    unlit = build_unlit(lit, folders.shoot("1"), Settings(size=SIZE))
+    assert unlit.amc.slices.shape == lit.amc.slices.shape
+    assert unlit.outline is lit.outline
+    assert (unlit.amc.invariance, unlit.invariance.found) == (2, 1)
+
+
+def test_slices_that_tell_nothing_are_all_kept(tmp_path: Path) -> None:
+    """Noise far above the change over the turn."""
+    circle = (CIRCLE.x_px, CIRCLE.y_px, CIRCLE.radius_px)
+    scene = Scene("2", circle, SHAPE, noise=0.25, samples=1, lights=1, ambient=0.3)
+    result = build(read_capture(scene.shoot(tmp_path, EVEN_DEG)), Settings(size=SIZE, circle=CIRCLE))
+    assert result.invariance.found == "cannot tell"
+    assert (result.amc.invariance, len(result.amc.slices)) == (1, SLICES)
+
+
+def test_residuals_name_the_slice_that_does_not_fit(folders: Folders) -> None:
+    capture = folders.shoot("2")
+    wrong = tuple(
+        replace(frame, path=capture.frames[3].path) if i == 9 else frame for i, frame in enumerate(capture.frames)
+    )
+    residuals = build(replace(capture, frames=wrong), Settings(size=SIZE, circle=CIRCLE, defects="ignore")).residuals
+    assert int(np.argmax(residuals)) in (9, 21)  # 21 shows the same tangent, half a turn on
+    assert residuals.max() > 4 * np.median(residuals)
+
+
 def test_the_session_says_the_tangent_unless_overruled(folders: Folders) -> None:
     capture = replace(folders.shoot("2"), tangent_zero_deg=30.0)
     assert build_there(capture).slice_angles_deg[0] == pytest.approx(30)
@@ -126,24 +178,53 @@ def test_frames_in_any_order_and_beyond_a_turn_are_the_same_table(folders: Folde
     capture = folders.shoot("2")
     frames = [replace(frame, angle_deg=(frame.angle_deg or 0) - 720) for frame in capture.frames]
     shuffled = replace(capture, frames=tuple(frames[7:] + frames[:7][::-1]))
-    expected, found = (build(one, size=SIZE, circle=CIRCLE).amc.slices for one in (capture, shuffled))
+    expected, found = (build(one, Settings(size=SIZE, circle=CIRCLE)).amc.slices for one in (capture, shuffled))
     assert found == pytest.approx(expected, abs=1e-4)
 
 
 def test_128_slices_of_a_material_that_repeats_three_times(tmp_path: Path) -> None:
     scene = Scene("3", (47.2, 45.4, 39.1), (92, 96), samples=1, noise=0.004)
-    result = build(read_capture(scene.shoot(tmp_path, np.arange(128) * 360 / 128, ".jpg")), size=24)
+    result = build(read_capture(scene.shoot(tmp_path, np.arange(128) * 360 / 128, ".jpg")), Settings(size=24))
     assert result.amc.invariance == 3
     assert len(result.amc.slices) == 43
-    assert error_against(result.amc, "3") < 0.03
+    assert error_in_the_surface(result.amc, "3") < 0.03
 
 
-def test_folding_by_three_costs_what_the_report_says(folders: Folders) -> None:
-    """On tilted normals k and the tangent's angle differ, so that only R = 1 and 2 fold without loss."""
-    report = build(folders.shoot("3"), size=SIZE).invariance
-    evidence = report.of(3)
+@pytest.mark.parametrize("kind", ["3", "4"])
+@pytest.mark.parametrize("distance_radii", [None, 4.0])
+def test_what_repeats_in_the_surface_alone_is_stored_by_the_angle_there(
+    folders: Folders, kind: str, distance_radii: float | None
+) -> None:
+    """On tilted normals that angle and its picture differ, so that only R = 1 and 2 fold without loss over both."""
+    capture = folders.shoot(kind, distance_radii)
+    settings = Settings(size=SIZE, circle=CIRCLE, distance_radii=distance_radii)
+    surface = build(capture, settings)
+    picture = build(capture, replace(settings, tangent_angle=TangentAngle.PICTURE))
+    evidence = surface.invariance.of(int(kind))
     assert evidence is not None
-    assert evidence.outside_plane < 0.01 < 0.05 < evidence.outside_k < 0.15
+    assert evidence.outside_surface < 0.01 < 0.05 < evidence.outside_picture < 0.15
+    assert surface.amc.tangent_angle is TangentAngle.SURFACE
+    assert surface.residuals.mean() < picture.residuals.mean() / 3
+    assert error_in_the_surface(surface.amc, kind) < 0.03
+
+
+def error_in_the_surface(amc: Amc, kind: str) -> float:
+    """Relative RMSE where each slice has its tangents turned from the surface's plane through z by k."""
+    depth, size = amc.slices.shape[:2]
+    line = (2 * np.arange(size) + 1) / size - 1
+    n_x, n_y = np.meshgrid(line, -line)
+    inner = np.hypot(n_x, n_y) < 0.8
+    normal = np.stack([n_x, n_y, np.sqrt(np.maximum(1 - n_x**2 - n_y**2, 0))], axis=-1)[inner]
+    eye = np.array([0.0, 0.0, 1.0])
+    errors = []
+    for j in range(depth):
+        tau = 2 * np.pi * j / (amc.repeats * depth)
+        flat = np.broadcast_to([np.cos(tau), np.sin(tau), 0.0], normal.shape)
+        tangent = rotate_smallest(flat, np.broadcast_to(eye, normal.shape), normal)
+        truth = shade(kind, normal, np.asarray(tangent, np.float64), np.broadcast_to(eye, normal.shape))
+        errors.append((amc.slices[j][inner] - truth, truth))
+    error, truths = (np.stack(part) for part in zip(*errors, strict=True))
+    return float(np.sqrt(np.mean(error**2) / np.mean(truths**2)))
 
 
 def test_the_depth_is_what_was_asked_for(folders: Folders) -> None:
@@ -153,14 +234,14 @@ def test_the_depth_is_what_was_asked_for(folders: Folders) -> None:
 
 
 def test_a_prescribed_invariance_overrules_the_found_one(folders: Folders) -> None:
-    result = build(folders.shoot("2"), size=SIZE, invariance="isotropic")
+    result = build(folders.shoot("2"), Settings(size=SIZE, invariance="isotropic"))
     assert (result.amc.invariance, len(result.amc.slices), result.invariance.found) == ("isotropic", 1, 2)
 
 
 def test_the_table_says_where_it_comes_from(folders: Folders) -> None:
     capture = folders.shoot("2")
     steps: list[Progress] = []
-    result = build(capture, size=SIZE, report=steps.append)
+    result = build(capture, Settings(size=SIZE), report=steps.append)
     assert result.amc.source == capture.digest
     assert result.amc.valid.shape == result.amc.slices.shape[:3]
     assert result.amc.slices.dtype == np.float32
@@ -184,14 +265,14 @@ def test_a_camera_model_gives_the_distance(folders: Folders) -> None:
     camera = CameraModel(
         width=SHAPE[1], height=SHAPE[0], focal_x_px=focal_px, focal_y_px=focal_px, centre_x_px=59.3, centre_y_px=54.8
     )
-    result = build(folders.shoot("2", 4.0), size=SIZE, camera=camera)
+    result = build(folders.shoot("2", 4.0), Settings(size=SIZE, camera=camera))
     assert result.distance_radii == pytest.approx(4.0, abs=0.02)
 
 
 def test_the_sessions_distance_is_used_unless_overruled(folders: Folders) -> None:
     capture = replace(folders.shoot("2", 4.0), sphere_distance_radii=4.0)
-    assert build(capture, size=SIZE).distance_radii == 4.0
-    assert build(capture, size=SIZE, distance_radii=5.0).distance_radii == 5.0
+    assert build(capture, Settings(size=SIZE)).distance_radii == 4.0
+    assert build(capture, Settings(size=SIZE, distance_radii=5.0)).distance_radii == 5.0
 
 
 @pytest.mark.parametrize(
@@ -213,11 +294,9 @@ def test_wrong_options_are_refused(folders: Folders, options: dict[str, Any], re
 
 
 @pytest.mark.parametrize("wrong", [{"distance_radii": 1e300}, {"tangent_zero_deg": 1e300}, {"threshold": 2.0}], ids=str)
-def test_wrong_measures_are_refused_before_a_picture_is_read(folders: Folders, wrong: dict[str, float]) -> None:
-    steps: list[Progress] = []
+def test_wrong_measures_are_refused_before_a_picture_is_read(wrong: dict[str, float]) -> None:
     with pytest.raises(InputError):
-        build(folders.shoot("2"), report=steps.append, **wrong)  # type: ignore[arg-type]  # a float each
-    assert steps == []
+        Settings(**wrong)  # type: ignore[arg-type]  # a float each
 
 
 def test_a_frame_without_an_angle_is_named(folders: Folders) -> None:

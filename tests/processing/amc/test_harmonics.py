@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
-from processing.amc.harmonics import check_angles, even_slices, fit_harmonics, warp_harmonics
+from processing.amc.harmonics import check_angles, fit_harmonics, fitting, folding, reading, unfolding
 
 RANDOM = np.random.default_rng(5)
 
@@ -36,56 +36,53 @@ def test_slices_at_uneven_angles_give_the_series_that_made_them(seed: int) -> No
     assert fit_harmonics(slices, angles, highest) == pytest.approx(truth, abs=2e-5)
 
 
-@pytest.mark.parametrize(
-    ("depth", "repeats"), [(1, 1), (7, 1), (8, 1), (5, 2), (11, 3), (43, 3)], ids=lambda value: str(value)
-)
-def test_an_even_slice_is_the_mean_of_the_copies_it_replaces(depth: int, repeats: int) -> None:
+def even(count: int) -> NDArray[np.float64]:
+    return 2 * np.pi * np.arange(count) / count
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_a_series_is_read_at_any_angle(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    angles = 2 * np.pi * (np.arange(16) + 0.7 * random.uniform(-0.5, 0.5, 16)) / 16
+    highest = check_angles(angles, "x")
+    truth, wanted = series(highest), random.uniform(-9, 9, 5)
+    slices = np.stack([read(truth, angle).ravel() for angle in angles])
+    expected = np.stack([read(truth, angle).ravel() for angle in wanted])
+    assert reading(fitting(angles, highest), wanted) @ slices == pytest.approx(expected, abs=1e-4)
+
+
+@pytest.mark.parametrize("count", [11, 40, 131])
+@pytest.mark.parametrize(("depth", "repeats"), [(1, 1), (7, 1), (8, 1), (5, 2), (11, 3), (43, 3)])
+def test_an_even_slice_is_the_mean_of_the_copies_it_replaces(depth: int, repeats: int, count: int) -> None:
     truth = series(min(5, (depth - 1) // 2 * repeats))
-    slices = even_slices(truth.astype(np.complex64), depth, repeats)
+    slices = folding(count, depth, repeats) @ np.stack([read(truth, angle).ravel() for angle in even(count)])
     for place in range(depth):
-        copies = [read(truth, 2 * np.pi * (place / depth + copy) / repeats) for copy in range(repeats)]
+        copies = [read(truth, 2 * np.pi * (place / depth + copy) / repeats).ravel() for copy in range(repeats)]
         assert slices[place] == pytest.approx(np.mean(copies, axis=0), abs=1e-5)
+
+
+@pytest.mark.parametrize("repeats", [1, 2, 3])
+def test_stored_slices_are_read_at_any_angle(repeats: int) -> None:
+    """Folding and unfolding keep what repeats R times a turn."""
+    truth = series(12)
+    truth[np.arange(13) % repeats != 0] = 0
+    stored = folding(40, 13 if repeats > 1 else 27, repeats) @ np.stack([read(truth, a).ravel() for a in even(40)])
+    wanted = np.array([-0.3, 0.0, 1.0, 4.4])
+    expected = np.stack([read(truth, angle).ravel() for angle in wanted])
+    assert unfolding(wanted, len(stored), repeats) @ stored == pytest.approx(expected, abs=1e-4)
 
 
 def test_noise_is_neither_smoothed_nor_raised_by_a_shift() -> None:
     """Linear interpolation between slices would lower it by up to a third."""
-    noise = RANDOM.standard_normal((128, 40, 3)).astype(np.float32)
-    angles = 2 * np.pi * (np.arange(128) + 0.5) / 128
-    shifted = even_slices(fit_harmonics(noise, angles, 63), 127, 1)
+    noise = RANDOM.standard_normal((128, 120)).astype(np.float32)
+    shifted = reading(fitting(even(128) + np.pi / 128, 63), even(127)) @ noise
     assert shifted.std() == pytest.approx(noise.std(), rel=0.02)
 
 
 def test_averaging_two_copies_lowers_noise_by_the_root_of_two() -> None:
-    noise = RANDOM.standard_normal((128, 40, 3)).astype(np.float32)
-    folded = even_slices(fit_harmonics(noise, 2 * np.pi * np.arange(128) / 128, 63), 63, 2)
+    noise = RANDOM.standard_normal((127, 120)).astype(np.float32)
+    folded = folding(127, 63, 2) @ noise
     assert folded.std() == pytest.approx(noise.std() / np.sqrt(2), rel=0.03)
-
-
-def test_a_normal_that_stays_keeps_its_series() -> None:
-    truth = series(9).astype(np.complex64)
-    same = np.full((2, 2), 0.4)
-    assert warp_harmonics(truth, same, same, np.full((2, 2), 1.2)) == pytest.approx(truth, abs=1e-5)
-
-
-def test_a_tangent_turns_with_its_normal() -> None:
-    """Against the turn of a vector about the horizontal axis across the normal's azimuth, by hand."""
-    azimuth, tilt, table_tilt = 0.7, 0.9, 0.8
-    truth = series(2, (1, 1, 3)).astype(np.complex64)
-    harmonics = np.zeros((20, 1, 1, 3), np.complex64)
-    harmonics[:3] = truth
-    full = np.ones((1, 1))
-    warped = warp_harmonics(harmonics, np.cos(tilt) * full, np.cos(table_tilt) * full, azimuth * full)
-    normal = np.array([np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), np.cos(tilt)])
-    axis = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
-    turn = table_tilt - tilt
-    for tau in np.linspace(0, 2 * np.pi, 7):
-        tangent = np.cross([-np.sin(tau), np.cos(tau), 0.0], normal)
-        turned = (
-            np.cos(turn) * tangent
-            + np.sin(turn) * np.cross(axis, tangent)
-            + (1 - np.cos(turn)) * axis * (axis @ tangent)
-        )
-        assert read(warped, np.arctan2(turned[1], turned[0])) == pytest.approx(read(truth, tau), abs=2e-4)
 
 
 @pytest.mark.parametrize(

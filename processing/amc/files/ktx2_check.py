@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from litrig.base.errors import FormatError, InputError
-from processing.amc.ktx2_container import HEADER, IDENTIFIER, LEVEL_PLACE, Container, LevelPlace, Scheme, VkFormat
+from processing.amc.files.ktx2_container import HEADER, IDENTIFIER, LEVEL_PLACE, Container, LevelPlace, Scheme, VkFormat
 
 LARGEST_SIDE = 2048
 """The side of a volume that every graphics card of the last decade takes."""

@@ -10,17 +10,24 @@ from collections.abc import Iterator
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
+from scipy import fft, special
+
+from litrig.base.radiometry import encode_srgb
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 C64 = NDArray[np.complex64]
 
-_LONGEST_SIDE_PX = 200
-_SMALLEST_SHARE, _LARGEST_SHARE = 0.1, 0.65
+_LONGEST_SIDE_PX = 160
+_SMALLEST_SHARE, _LARGEST_SHARE = 0.1, 0.6
+# Rings that reach further past a border come in again at the other.
+_BEYOND_BORDER = 0.3
+_BESSEL_STEP = 0.02
 _STEP = 1.025
 _RING_WIDTH_PX = 0.9
 _MOST_CANDIDATES = 3
+# Of the mean picture: brighter pixels may be clipped for the search.
+_WHITE_QUANTILE = 0.98
 # Gradients of Scharr's operator below a code of eight bits a pixel say nothing.
 _CODE_GRADIENT = 32 / 255
 
@@ -30,10 +37,11 @@ def candidates(greys: F32) -> list[tuple[float, float, float]]:
 
     Parameters
     ----------
-    greys : (N, H, W) display values at several turntable angles
+    greys : (N, H, W) linear light at several turntable angles, of any exposure
     """
     shrink = min(1.0, _LONGEST_SIDE_PX / max(greys.shape[1:]))
-    pictures = [_shrunk(picture, shrink) for picture in (greys.mean(axis=0), greys.std(axis=0))]
+    codes = encode_srgb(greys / max(float(np.quantile(greys.mean(axis=0), _WHITE_QUANTILE)), 1e-12))
+    pictures = [_shrunk(picture, shrink) for picture in (codes.mean(axis=0), codes.std(axis=0))]
     scale_y, scale_x = (full / small for full, small in zip(greys.shape[1:], pictures[0].shape, strict=True))
     return [
         ((column + 0.5) * scale_x, (row + 0.5) * scale_y, radius * (scale_x + scale_y) / 2)
@@ -43,13 +51,34 @@ def candidates(greys: F32) -> list[tuple[float, float, float]]:
 
 
 def _circles(picture: F32) -> Iterator[tuple[float, int, int]]:
-    radii = _radii(min(picture.shape))
-    # Ring templates reach past the border by their radius.
-    padded = tuple(fft.next_fast_len(side + 2 * int(radii[-1]) + 4, real=True) for side in picture.shape)
-    spectra = [fft.rfft2(part, padded) for part in _radial_field(picture)]
+    """Convolve the field with rings of all radii, in frequency, where a ring with two turns is a Bessel function.
+
+    ∫ δ(|x| − r) cos 2φ exp(−i k·x) dx ∝ −J₂(|k| r) cos 2φ_k, the same with sin; a Gaussian damps it to a soft ring.
+    """
     height, width = picture.shape
-    scores = np.stack([_score(spectra, float(radius), padded)[:height, :width] for radius in radii])
+    padded = tuple(
+        fft.next_fast_len(side + int(_BEYOND_BORDER * min(picture.shape)), real=True) for side in picture.shape
+    )
+    frequency_y, frequency_x = 2 * np.pi * fft.fftfreq(padded[0])[:, None], 2 * np.pi * fft.rfftfreq(padded[1])
+    frequency = np.hypot(frequency_x, frequency_y)
+    cosine, sine = (frequency_x**2 - frequency_y**2), 2 * frequency_x * frequency_y
+    across, askew = (fft.rfft2(part, padded) for part in _radial_field(picture))
+    soft = np.exp(-0.5 * (frequency * _RING_WIDTH_PX) ** 2) / np.maximum(frequency**2, 1e-12)
+    field = (-(across * cosine + askew * sine) * soft).astype(np.complex64)
+    radii = _radii(min(picture.shape))
+    fine = np.arange(0, float(frequency.max()) * radii[-1] + 2 * _BESSEL_STEP, _BESSEL_STEP)
+    bessel = special.jv(2, fine).astype(np.float32)
+    scores = np.stack(
+        [_score(field, frequency / _BESSEL_STEP, bessel, float(radius), padded)[:height, :width] for radius in radii]
+    )
     return _peaks(scores, radii)
+
+
+def _score(field: C64, places: F64, bessel: F32, radius: float, padded: tuple[int, ...]) -> F32:
+    """Mean over each circle of this radius of how radial the gradients are, times √radius for the many that agree."""
+    ring = bessel[np.rint(places * radius).astype(np.int32)]
+    score: F32 = fft.irfft2(field * ring, padded) * np.float32(np.sqrt(radius))
+    return score
 
 
 def _shrunk(picture: F32, shrink: float) -> F32:
@@ -70,28 +99,6 @@ def _radii(shorter_side: int) -> F64:
     count = int(np.log(_LARGEST_SHARE / _SMALLEST_SHARE) / np.log(_STEP)) + 1
     radii: F64 = _SMALLEST_SHARE * shorter_side * np.power(_STEP, np.arange(count))
     return radii
-
-
-def _score(spectra: list[C64], radius: float, padded: tuple[int, ...]) -> F32:
-    """Mean over each circle of this radius of how radial the gradients are, times √radius for the many that agree."""
-    reach = int(np.ceil(radius + 3 * _RING_WIDTH_PX))
-    y, x = np.mgrid[-reach : reach + 1, -reach : reach + 1].astype(np.float32)
-    distance = np.maximum(np.hypot(x, y), 1e-6)
-    ring = np.exp(-0.5 * ((distance - radius) / _RING_WIDTH_PX) ** 2)
-    ring /= ring.sum()
-    double_cosine, double_sine = (x**2 - y**2) / distance**2 * ring, 2 * x * y / distance**2 * ring
-    templates = [np.conj(_template(part, padded)) for part in (double_cosine, double_sine)]
-    score: F32 = fft.irfft2(spectra[0] * templates[0] + spectra[1] * templates[1], padded) * np.sqrt(radius)
-    return score
-
-
-def _template(ring: F32, padded: tuple[int, ...]) -> C64:
-    """Spectrum of a template whose middle is moved to (0, 0)."""
-    reach = len(ring) // 2
-    whole = np.zeros(padded, np.float32)
-    whole[: len(ring), : len(ring)] = ring
-    spectrum: C64 = fft.rfft2(np.roll(whole, (-reach, -reach), (0, 1)))
-    return spectrum
 
 
 def _peaks(scores: F32, radii: F64) -> Iterator[tuple[float, int, int]]:

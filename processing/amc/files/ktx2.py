@@ -6,22 +6,21 @@ sRGB codes or linear half floats, straight, and reach past the disc of normals; 
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
 
 import numpy as np
 import zstandard
 from numpy.typing import NDArray
-from pydantic import BaseModel, Field, ValidationError
 
 from litrig.base.errors import FormatError, InputError
 from litrig.base.files import write_atomically
 from litrig.base.radiometry import decode_srgb, encode_srgb, to_u8
 from litrig.base.table_normals import TableNormal
 from litrig.base.version import litrig_version
-from processing.amc.ktx2_check import read_container
-from processing.amc.ktx2_container import Container, Scheme, VkFormat, assemble
+from processing.amc.files.ktx2_check import read_container
+from processing.amc.files.ktx2_container import Container, Scheme, VkFormat, assemble
+from processing.amc.files.meaning import Meaning, read_meaning
 from processing.amc.mips import MipLevel, first_level, mip_chain
-from processing.amc.model import Amc, Invariance
+from processing.amc.model import Amc, Invariance, TangentAngle
 
 KEY = "litrig.amc"
 _ZSTD_LEVEL = 9
@@ -45,22 +44,8 @@ class AmcHeader:
     table_normal: TableNormal
     slice_angles_deg: tuple[float, ...]
     source: str
+    tangent_angle: TangentAngle
     written_by: str
-
-
-class _Meaning(BaseModel, frozen=True, extra="forbid", use_attribute_docstrings=True):
-    """The JSON under `litrig.amc`."""
-
-    invariance: Annotated[int, Field(ge=1, le=360)] | Literal["isotropic"]
-    """R: the material looks the same turned by 360°/R."""
-    table_normal: TableNormal
-    """How a perspective picture's normal is brought to the table."""
-    slice_angles_deg: tuple[Annotated[float, Field(allow_inf_nan=False)], ...] = ()
-    """The tangent angle of every captured slice, as measured."""
-    source: str = ""
-    """Digest of the frames that the table was built from."""
-    litrig: str
-    """Version that wrote the file."""
 
 
 def write_amc(
@@ -85,8 +70,10 @@ def write_amc(
     elif not half_float and not _fits_codes(amc):
         raise InputError(f"{path}: colours reach {_extremes(amc)}, outside 0..1 of 8-bit codes; store half floats")
     levels = mip_chain(amc) if mip_levels else [first_level(amc)]
-    texels = [_encode(level, half_float) for level in levels]
-    packed = [zstandard.ZstdCompressor(_ZSTD_LEVEL).compress(plain) if compress else plain for plain in texels]
+    packed = []
+    for level in levels:
+        plain = _encode(level, half_float)
+        packed.append(zstandard.ZstdCompressor(_ZSTD_LEVEL).compress(plain) if compress else plain)
     vk_format = VkFormat.R16G16B16A16_SFLOAT if half_float else VkFormat.R8G8B8A8_SRGB
     depth, size = amc.slices.shape[:2]
     scheme = Scheme.ZSTANDARD if compress else Scheme.NONE
@@ -110,15 +97,7 @@ def read_levels(path: Path, *, only_first: bool = False) -> tuple[Amc, list[MipL
     meaning = _meaning(path, container)
     count = 1 if only_first else len(container.places)
     levels = [_read_level(path, container, level) for level in range(count)]
-    amc = Amc(
-        slices=levels[0].colours,
-        valid=levels[0].coverage > 0.5,
-        invariance=meaning.invariance,
-        table_normal=meaning.table_normal,
-        slice_angles_deg=meaning.slice_angles_deg,
-        source=meaning.source,
-    )
-    return amc, levels
+    return meaning.table(levels[0].colours, levels[0].coverage > 0.5), levels
 
 
 def read_header(path: Path) -> AmcHeader:
@@ -143,6 +122,7 @@ def read_header(path: Path) -> AmcHeader:
         table_normal=meaning.table_normal,
         slice_angles_deg=meaning.slice_angles_deg,
         source=meaning.source,
+        tangent_angle=meaning.tangent_angle,
         written_by=meaning.litrig,
     )
 
@@ -155,7 +135,7 @@ def _check(path: Path, amc: Amc) -> None:
         )
     if amc.invariance == "isotropic" and shape[0] != 1:
         raise InputError(f"{path}: an isotropic AMC has one slice, not {shape[0]}; average them first")
-    if not np.all(np.abs(amc.slices) <= _LARGEST_HALF):
+    if not -_LARGEST_HALF <= amc.slices.min() <= amc.slices.max() <= _LARGEST_HALF:
         raise InputError(f"{path}: colours reach {_extremes(amc)}; half floats end at {_LARGEST_HALF:g}. Scale them")
 
 
@@ -168,36 +148,26 @@ def _fits_codes(amc: Amc) -> bool:
 
 
 def _keys(amc: Amc) -> dict[str, bytes]:
-    meaning = _Meaning(
-        invariance=amc.invariance,
-        table_normal=amc.table_normal,
-        slice_angles_deg=amc.slice_angles_deg,
-        source=amc.source,
-        litrig=litrig_version(),
-    )
-    texts = {"KTXorientation": "rdi", "KTXwriter": f"litrig {litrig_version()}", KEY: meaning.model_dump_json()}
+    texts = {"KTXorientation": "rdi", "KTXwriter": f"litrig {litrig_version()}", KEY: Meaning.of(amc).model_dump_json()}
     return {key: text.encode() + b"\0" for key, text in texts.items()}
 
 
-def _meaning(path: Path, container: Container) -> _Meaning:
+def _meaning(path: Path, container: Container) -> Meaning:
     stored = container.keys.get(KEY)
     if stored is None:
         raise FormatError(f"{path}: has no key {KEY}, so that R is not known; give a file that litrig amc build wrote")
-    try:
-        meaning = _Meaning.model_validate_json(stored.removesuffix(b"\0"))
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
-        raise FormatError(f"{path}: {KEY} {place}: {first['msg']}; build it again") from error
-    if meaning.invariance == "isotropic" and container.depth != 1:
-        raise FormatError(f"{path}: is called isotropic, yet has {container.depth} slices; build it again")
-    return meaning
+    return read_meaning(stored.removesuffix(b"\0"), container.depth, f"{path}: {KEY}")
 
 
 def _encode(level: MipLevel, half_float: bool) -> bytes:
-    if half_float:
-        return np.concatenate([level.colours, level.coverage[..., None]], axis=-1).astype("<f2").tobytes()
-    return to_u8(np.concatenate([encode_srgb(level.colours), level.coverage[..., None]], axis=-1)).tobytes()
+    """Encode slice by slice, for the floats of a whole level are four times as large as its codes."""
+    texels = np.zeros((*level.coverage.shape, 4), "<f2" if half_float else np.uint8)
+    for stored, colours, coverage in zip(texels, level.colours, level.coverage, strict=True):
+        if half_float:
+            stored[..., :3], stored[..., 3] = colours, coverage
+        else:
+            stored[..., :3], stored[..., 3] = to_u8(encode_srgb(colours)), to_u8(coverage)
+    return texels.tobytes()
 
 
 def _read_level(path: Path, container: Container, level: int) -> MipLevel:

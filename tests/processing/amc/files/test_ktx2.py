@@ -16,15 +16,15 @@ from numpy.typing import NDArray
 from litrig.base.errors import FormatError, InputError
 from litrig.base.radiometry import decode_srgb, encode_srgb
 from litrig.base.table_normals import TableNormal
-from processing.amc.ktx2 import read_amc, read_header, read_levels, write_amc
-from processing.amc.model import Amc
+from processing.amc.files.ktx2 import read_amc, read_header, read_levels, write_amc
+from processing.amc.model import Amc, TangentAngle
 
 
 def some_amc(size: int = 6, depth: int = 5, seed: int = 0, brightest: float = 1.0) -> Amc:
     random = np.random.default_rng(seed)
     slices = (random.random((depth, size, size, 3)) * brightest).astype(np.float32)
     valid = random.random((depth, size, size)) > 0.3
-    return Amc(slices, valid, 2, TableNormal.VIEW, (0.0, 36.25, 72.5), "sha256:0a1b")
+    return Amc(slices, valid, 2, TableNormal.VIEW, (0.0, 36.25, 72.5), "sha256:0a1b", TangentAngle.SURFACE)
 
 
 def read_by_the_book(content: bytes) -> dict[str, Any]:
@@ -137,6 +137,7 @@ def test_the_keys_are_sorted_and_say_what_the_table_means(tmp_path: Path) -> Non
         "table_normal": "view",
         "slice_angles_deg": [0.0, 36.25, 72.5],
         "source": "sha256:0a1b",
+        "tangent_angle": "surface",
     }
 
 
@@ -168,6 +169,7 @@ def test_what_was_written_is_read(
     np.testing.assert_array_equal(back.valid, amc.valid)
     assert (back.invariance, back.table_normal) == (amc.invariance, amc.table_normal)
     assert (back.slice_angles_deg, back.source) == (amc.slice_angles_deg, amc.source)
+    assert back.tangent_angle is read_header(path).tangent_angle is TangentAngle.SURFACE
     header = read_header(path)
     assert (header.size, header.depth, header.half_float, header.compressed) == (size, depth, half_float, compress)
     assert header.levels == (max(size, depth).bit_length() if mip_levels else 1)
@@ -177,6 +179,17 @@ def test_reading_and_writing_again_changes_nothing(tmp_path: Path) -> None:
     write_amc(tmp_path / "a.amc.ktx2", some_amc(), mip_levels=False)
     write_amc(tmp_path / "b.amc.ktx2", read_amc(tmp_path / "a.amc.ktx2"), mip_levels=False)
     assert (tmp_path / "a.amc.ktx2").read_bytes() == (tmp_path / "b.amc.ktx2").read_bytes()
+
+
+def test_a_file_that_does_not_say_what_k_counts_means_the_picture(tmp_path: Path) -> None:
+    """As all files before the key was there."""
+    path = tmp_path / "x.amc.ktx2"
+    write_amc(path, some_amc())
+    said = b',"tangent_angle":"surface"'
+    content = path.read_bytes()
+    assert said in content
+    path.write_bytes(content.replace(said, b" " * len(said)))
+    assert read_amc(path).tangent_angle is TangentAngle.PICTURE
 
 
 def test_an_isotropic_table_keeps_its_name(tmp_path: Path) -> None:
@@ -348,6 +361,11 @@ def test_an_honest_head_that_unpacks_too_well_is_refused(tmp_path: Path) -> None
         pytest.param('{"invariance": "both", "table_normal": "view", "litrig": "1"}', "invariance", id="R in words"),
         pytest.param('{"invariance": 1, "table_normal": "up", "litrig": "1"}', "table_normal", id="unknown normal"),
         pytest.param('{"invariance": 1, "table_normal": "view", "litrig": "1", "x": 1}', "x", id="unknown key"),
+        pytest.param(
+            '{"invariance": 1, "table_normal": "view", "litrig": "1", "tangent_angle": "eye"}',
+            "tangent_angle",
+            id="unknown kind of angle",
+        ),
         pytest.param(
             '{"invariance": "isotropic", "table_normal": "view", "litrig": "1"}', "5 slices", id="contradiction"
         ),

@@ -1,4 +1,5 @@
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -6,11 +7,15 @@ import pytest
 from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
-from processing.amc.circle import Circle, find_circle
+from processing.amc.outline.circle import Circle, find_circle
 from processing.stack import Stack
 from tests.processing.amc.brushed_sphere import Scene
 
 ANGLES_DEG = np.linspace(0, 315, 8)
+
+
+def small(**changes: Any) -> Scene:
+    return Scene(**{"circle": (63.3, 57.8, 45.4), "shape": (116, 128)} | changes)
 
 
 def shoot(scene: Scene, folder: Path, ending: str = ".png") -> Stack:
@@ -22,21 +27,52 @@ def shoot(scene: Scene, folder: Path, ending: str = ".png") -> Stack:
     [
         pytest.param(Scene(), ".png", id="grey behind"),
         pytest.param(Scene(background="black", noise=0.01), ".jpg", id="dark rim before black"),
-        pytest.param(Scene(background="white"), ".png", id="white behind"),
-        pytest.param(Scene(background="clutter", noise=0.01), ".jpg", id="clutter behind"),
-        pytest.param(Scene(kind="isotropic", background="clutter"), ".png", id="nothing but noise changes"),
+        pytest.param(small(background="white"), ".png", id="white behind"),
+        pytest.param(small(background="clutter", noise=0.01), ".jpg", id="clutter behind"),
+        pytest.param(small(kind="isotropic", background="clutter"), ".png", id="nothing but noise changes"),
         pytest.param(
             Scene(background="black", lights=1, ambient=0, noise=0.003), ".png", id="half the rim in the dark"
         ),
-        pytest.param(Scene(kind="1"), ".png", id="highlights fade before the rim"),
-        pytest.param(Scene(distance_radii=4.0), ".png", id="from four radii"),
+        pytest.param(small(kind="1"), ".png", id="highlights fade before the rim"),
+        pytest.param(small(distance_radii=4.0), ".png", id="from four radii"),
         pytest.param(Scene(circle=(61.7, 95.2, 41.3)), ".png", id="small and off the centre"),
+        pytest.param(small(background="limb", kind="1"), ".png", id="behind it all is as bright as the rim once is"),
+        pytest.param(Scene(background="clutter", dirt=0.2), ".jpg", id="dirty before clutter"),
+        pytest.param(small(background="gradient", seams=3), ".png", id="cuts in the cover"),
+        pytest.param(small(background="white", blur_px=1.4), ".png", id="out of focus"),
+        pytest.param(small(kind="4", background="white", gain=40, noise=0.1), ".exr", id="far brighter than white"),
+        pytest.param(
+            Scene(circle=(47.1, 46.3, 36.9), shape=(96, 96), background="gradient", noise=0.03),
+            ".png",
+            id="small, noisy",
+        ),
+        pytest.param(small(plate="all over"), ".png", id="half a sphere on a printed board that turns along"),
+        pytest.param(Scene(plate="round", circle=(95.3, 88.8, 50.4), shape=(180, 190)), ".png", id="on a round board"),
+        pytest.param(small(offset_px=2.7, phase_deg=70), ".png", id="mounted off the axis"),
         pytest.param(Scene(circle=(910.3, 230.8, 190.9), shape=(460, 1700), samples=1), ".jpg", id="a large picture"),
     ],
 )
 def test_the_silhouette_is_found_to_three_tenths_of_a_pixel(scene: Scene, ending: str, tmp_path: Path) -> None:
     found = find_circle(shoot(scene, tmp_path, ending))
     assert (found.x_px, found.y_px, found.radius_px) == pytest.approx(scene.circle, abs=0.3)
+
+
+def test_pictures_in_falling_order_of_angle_do_as_well(tmp_path: Path) -> None:
+    scene = small(offset_px=2.0, background="white")
+    paths = sorted(scene.shoot(tmp_path, ANGLES_DEG).glob("*.png"), reverse=True)
+    found = find_circle(Stack(paths))
+    assert (found.x_px, found.y_px, found.radius_px) == pytest.approx(scene.circle, abs=0.3)
+
+
+def test_a_print_that_turns_without_a_sphere_is_refused(tmp_path: Path) -> None:
+    noise = np.random.default_rng(3).standard_normal((200, 260, 3))
+    blots = cv2.GaussianBlur(noise, (0, 0), 8.0)
+    for index in range(12):
+        turn = cv2.getRotationMatrix2D((130, 100), 30 * index, 1)
+        turned = cv2.warpAffine(blots / blots.std(), turn, (260, 200), borderMode=cv2.BORDER_REFLECT)
+        cv2.imwrite(str(tmp_path / f"{index:02d}.png"), np.clip(120 + 30 * turned, 0, 255).astype(np.uint8))
+    with pytest.raises(InputError, match=r"no (round outline|sphere on the axis).*--circle X Y R"):
+        find_circle(Stack(sorted(tmp_path.glob("*.png"))))
 
 
 def checkers() -> NDArray[np.int64]:

@@ -1,0 +1,94 @@
+"""What a build has to say for itself, for people and for programs."""
+
+from typing import Any
+
+import numpy as np
+
+from processing.amc.build import AmcResult
+
+_WORST_SHOWN = 3
+
+
+def describe(result: AmcResult) -> list[str]:
+    """Say in a few lines what was found and how well the table fits its slices."""
+    return [*_sphere(result), *_flaws(result), *_change(result), _verdict(result), _fit(result)]
+
+
+def facts(result: AmcResult) -> dict[str, Any]:
+    """Say the same for programs."""
+    circle, orbit, found = result.outline.circle, result.outline.orbit, result.invariance
+    return {
+        "circle_px": [circle.x_px, circle.y_px, circle.radius_px],
+        "axis_px": [orbit.axis_x_px, orbit.axis_y_px],
+        "axis_offset_px": orbit.offset_px,
+        "wobble_px": orbit.left_over_px,
+        "distance_radii": result.distance_radii,
+        "invariance": result.amc.invariance,
+        "found": found.found,
+        "confidence": found.confidence,
+        "change": found.variation,
+        "change_over_noise": found.over_noise,
+        "noise": found.noise,
+        "outside": {
+            str(entry.repeats): {"surface": entry.outside_surface, "picture": entry.outside_picture}
+            for entry in found.evidence
+        },
+        "tangent_angle": str(result.amc.tangent_angle),
+        "table_normal": str(result.amc.table_normal),
+        "depth": len(result.amc.slices),
+        "size": result.amc.slices.shape[1],
+        "coverage": result.coverage,
+        "filled": result.flaws.filled,
+        "residuals": [float(residual) for residual in result.residuals],
+        "slice_angles_deg": list(result.amc.slice_angles_deg),
+    }
+
+
+def _sphere(result: AmcResult) -> list[str]:
+    away = "orthographic" if result.distance_radii is None else f"camera at {result.distance_radii:.2f} radii"
+    remark = result.outline.orbit.remark()
+    return [f"sphere: {result.outline.circle}; {away}", *([remark] if remark else [])]
+
+
+def _flaws(result: AmcResult) -> list[str]:
+    flaws = result.flaws
+    if not flaws.filled:
+        return []
+    disc = max(1, int(result.amc.valid[0].sum()))
+    return [
+        f"flaws: {flaws.turning.sum() / disc:.1%} of the sphere in folds and cuts that turn with it, "
+        f"{flaws.still.sum() / disc:.1%} in pixels that stand still; filled from what else was seen"
+    ]
+
+
+def _change(result: AmcResult) -> list[str]:
+    found = result.invariance
+    return [
+        f"change over the turn: {found.variation:.1%} of the mean light, noise {found.noise:.1e} a texel",
+        *(
+            f"  R = {entry.repeats}: {entry.outside_surface:.1%} of the change contradicts it in the surface, "
+            f"{entry.outside_picture:.1%} in the picture"
+            for entry in found.evidence[1:]
+        ),
+    ]
+
+
+def _verdict(result: AmcResult) -> str:
+    found, chosen = result.invariance, result.amc.invariance
+    said = "isotropic" if chosen == "isotropic" else f"R = {chosen}"
+    if found.found == "cannot tell":
+        why = "the change is too little over the noise, or the slices too few, to tell R"
+        return f"{said}: {why}; every slice is kept" if chosen == 1 else f"{said}, as asked for ({why})"
+    if chosen != found.found:
+        return f"{said}, as asked for (found: {found.found})"
+    where = "; k counts the angle in the surface" if str(result.amc.tangent_angle) == "surface" else ""
+    return f"{said} (in {found.confidence:.0%} of resamplings){where}"
+
+
+def _fit(result: AmcResult) -> str:
+    worst = np.argsort(result.residuals)[::-1][:_WORST_SHOWN]
+    angles = ", ".join(
+        f"{result.amc.slice_angles_deg[index]:.1f} deg ({result.residuals[index]:.1e})" for index in worst
+    )
+    mean = float(np.sqrt(np.mean(result.residuals**2)))
+    return f"residual: {mean:.1e} RMS a slice; worst {angles}; {result.coverage:.0%} of the disc seen"

@@ -1,0 +1,122 @@
+"""From slices at measured angles to the even slices of a table.
+
+Without a turn of normals all texels have one matrix; with one, every texel is read at angles of its own first.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from processing.amc.harmonics import fit_harmonics, fitting, folding, reading, unfolding
+from processing.amc.tangent_turn import AFTER, BEFORE, TangentTurn, read_turned
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+C64 = NDArray[np.complex64]
+Mask = NDArray[np.bool_]
+
+_SAMPLES_PER_WAVE = 4
+_ROWS_AT_ONCE = 16
+
+
+@dataclass(frozen=True)
+class Series:
+    """The Fourier series that slices at measured angles carry.
+
+    Attributes
+    ----------
+    angles_rad : (N,) tangent angles of the slices, in the picture
+    highest : M, as `check_angles` gives it
+    """
+
+    angles_rad: F64
+    highest: int
+
+    @property
+    def count(self) -> int:
+        """Even angles that hold all of it."""
+        return 2 * self.highest + 1
+
+    @property
+    def turned_count(self) -> int:
+        """Even angles that hold what a turn makes of it, for turning widens its waves here and narrows them there."""
+        return self.count + self.count // 2
+
+    @cached_property
+    def fine(self) -> F32:
+        """The matrix from slices to what `read_turned` reads."""
+        return reading(self.fit, _fine_angles(self.count))
+
+    @cached_property
+    def fit(self) -> F64:
+        return fitting(self.angles_rad, self.highest)
+
+    def turned(self, slices: F32, turn: TangentTurn, wanted_rad: F64) -> F32:
+        """Read slices (N, T, C) of T texels at angles (J,) of their turned tangents; (J, T, C)."""
+        if turn.keeps:
+            return _apply(reading(self.fit, wanted_rad), slices)
+        return read_turned(_apply(self.fine, slices), turn, wanted_rad)
+
+    def harmonics(self, slices: F32, turn: TangentTurn) -> C64:
+        """Return the series (M + 1, T, C) over the angle of the turned tangents."""
+        even = even_angles(self.turned_count)
+        return fit_harmonics(self.turned(slices, turn, even), even, self.highest)
+
+
+def make_table(slices: F32, valid: Mask, series: Series, turn: TangentTurn, depth: int, repeats: int) -> F32:
+    """Turn slices (N, S, S, 3) into D even ones over one period, in place where they fit.
+
+    Light is never negative: a series undershoots zero beside a sharp highlight.
+
+    Parameters
+    ----------
+    slices : overwritten
+    valid : (S, S) bool, texels that hold something; the others stay 0
+    turn : (S, S)
+
+    Returns
+    -------
+    table : (D, S, S, 3), a part of `slices` where D is at most N
+    """
+    table = slices[:depth] if depth <= len(slices) else np.zeros((depth, *slices.shape[1:]), np.float32)
+    count = series.count if turn.keeps else series.turned_count
+    to_slices = folding(count, depth, repeats)
+    if turn.keeps:
+        to_slices = to_slices @ reading(series.fit, even_angles(count))
+    for first in range(0, slices.shape[1], _ROWS_AT_ONCE):
+        rows = slice(first, first + _ROWS_AT_ONCE)
+        part = slices[:, rows][:, valid[rows]]
+        if not turn.keeps:
+            part = series.turned(part, turn[rows][valid[rows]], even_angles(count))
+        made = _apply(to_slices, part)
+        table[:, rows][:, valid[rows]] = np.maximum(made, 0, out=made)
+    return table
+
+
+def read_back(table: F32, turn: TangentTurn, repeats: int, angles_rad: F64) -> F32:
+    """Tell what a table (D, T, 3) says of slices at angles in the picture, (N, T, 3)."""
+    if turn.keeps:
+        return _apply(unfolding(angles_rad, len(table), repeats), table)
+    waves = repeats * len(table)
+    fine = _apply(unfolding(_fine_angles(waves), len(table), repeats), table)
+    return read_turned(fine, turn.inverse, angles_rad)
+
+
+def even_angles(count: int) -> F64:
+    """Return angles 2π·i/count."""
+    angles: F64 = 2 * np.pi * np.arange(count) / count
+    return angles
+
+
+def _fine_angles(waves: int) -> F64:
+    """Return angles of a turn as `read_turned` wants them."""
+    count = _SAMPLES_PER_WAVE * waves
+    angles: F64 = 2 * np.pi * np.arange(-BEFORE, count + AFTER) / count
+    return angles
+
+
+def _apply(matrix: F32, slices: F32) -> F32:
+    """Multiply along the slices."""
+    return (matrix @ slices.reshape(len(slices), -1)).reshape(len(matrix), *slices.shape[1:])

@@ -1,0 +1,37 @@
+"""What the commands of all materials have in common."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+PATH = click.Path(path_type=Path)
+FOLDER = click.argument("folder", metavar="FOLDER", type=PATH)
+PICTURES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr")
+JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object, for programs.")
+
+
+def check_output(output: Path, *endings: str) -> None:
+    """Refuse before the work what could not be written after it."""
+    from litrig.base.errors import InputError
+
+    if not output.name.lower().endswith(endings):
+        named = output.suffix or "a name without ending"
+        raise InputError(f"{output}: cannot be written as {named}; end it in {' or '.join(endings)}")
+    if not output.absolute().parent.is_dir():
+        raise InputError(f"{output}: the folder {output.parent} does not exist; create it first")
+
+
+def echo_facts(facts: dict[str, Any], as_json: bool) -> None:
+    """Print what is known, a line a fact or as JSON."""
+    if as_json:
+        click.echo(json.dumps(facts))
+        return
+    for key, value in facts.items():
+        if isinstance(value, dict):
+            click.echo(f"{key.replace('_', ' ')}:")
+            for name, (least, most) in value.items():
+                click.echo(f"  {name}: {least:g} to {most:g}")
+        else:
+            click.echo(f"{key.replace('_', ' ')}: {value}")
