@@ -1,7 +1,9 @@
 """Frames of one scene, read when they are asked for: a session of any length needs the memory of one picture."""
 
+import os
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Literal, TypeVar
 
@@ -18,6 +20,8 @@ Space = Literal["srgb", "linear"]
 Window = tuple[slice, slice]
 """Rows and columns of a part of a picture."""
 Picture = TypeVar("Picture", F32, Codes)
+Result = TypeVar("Result")
+_AT_ONCE = min(4, os.cpu_count() or 1)
 Correction = Callable[[F32], F32]
 
 
@@ -62,26 +66,31 @@ class Stack:
         assert self._shape is not None  # noqa: S101  # for the type checker: reading sets it
         return self._shape
 
-    def parts(self, window: Window, frames: Sequence[int] | None = None) -> Iterator[F32]:
-        """Read a part of every picture, or of some, as linear light; the next is decoded while one is worked on.
+    def each(self, window: Window, work: Callable[[int, F32], Result]) -> Iterator[Result]:
+        """Read a part of every picture as linear light and work on it, a few at a time.
 
         Parameters
         ----------
         window : rows and columns, with start and stop
-        frames : indices in the order in which they are wanted; all by default
+        work : what to do with a picture's index and part; called from several threads
+
+        Yields
+        ------
+        results : in the order of the pictures
 
         Raises
         ------
         InputError, FormatError
             As `linear`.
         """
-        wanted = range(len(self)) if frames is None else frames
-        with ThreadPoolExecutor(1) as reader:
-            coming = [reader.submit(self._part, index, window) for index in wanted[:1]]
-            for place, _ in enumerate(wanted):
-                part = coming.pop().result()
-                coming = [reader.submit(self._part, index, window) for index in wanted[place + 1 : place + 2]]
-                yield part
+        with ThreadPoolExecutor(_AT_ONCE) as workers:
+            coming: deque[Future[Result]] = deque()
+            for index in range(len(self)):
+                coming.append(workers.submit(lambda place: work(place, self._part(place, window)), index))
+                if len(coming) > _AT_ONCE:
+                    yield coming.popleft().result()
+            while coming:
+                yield coming.popleft().result()
 
     def _part(self, index: int, window: Window) -> F32:
         if self._correct is not None or self.paths[index].suffix.lower() not in DISPLAY_ENDINGS:

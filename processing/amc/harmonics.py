@@ -74,7 +74,8 @@ def fit_harmonics(slices: F32, angles_rad: F64, highest: int) -> C64:
 
 def fitting(angles_rad: F64, highest: int) -> F64:
     """Return the matrix (2M + 1, N) that fits the series to slices at measured angles by least squares."""
-    return np.asarray(np.linalg.pinv(_design(angles_rad, highest)))
+    design = _design(angles_rad, highest)
+    return np.asarray(np.linalg.solve(design.T @ design, design.T))
 
 
 def reading(fit: F64, wanted_rad: F64) -> F32:
@@ -119,8 +120,8 @@ def _noise_gain(angles_rad: F64, highest: int) -> float:
     """By how much least squares raises noise at worst, against even angles."""
     design = _design(angles_rad, highest)
     design[:, 1:] *= np.sqrt(2)
-    smallest = np.linalg.svd(design, compute_uv=False)[-1]
-    return float(np.sqrt(len(angles_rad)) / max(float(smallest), 1e-12))
+    smallest = np.linalg.eigvalsh(design.T @ design)[0]  # of the squared singular values
+    return float(np.sqrt(len(angles_rad) / max(float(smallest), 1e-12)))
 
 
 def _widest_gap_deg(distinct_rad: F64) -> tuple[float, float]:

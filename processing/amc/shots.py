@@ -85,8 +85,11 @@ class Shots:
         circle = self.outline.circle
         resampler = make_resampler(Circle(circle.x_px - left, circle.y_px - top, circle.radius_px), view, size)
         light = np.zeros((len(self.stack), size, size, 3), np.float32)
-        for index, part in enumerate(self.stack.parts(window)):
+
+        def resample(index: int, part: F32) -> None:
             light[index] = resampler(part, self._shift_px(index))
+
+        for index, _ in enumerate(self.stack.each(window, resample)):
             report(Progress("resampling", index + 1, len(self.stack), self.stack.paths[index].name))
         shape = (window[0].stop - window[0].start, window[1].stop - window[1].start)
         turn = _tangent_turn(view, size)

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from processing.amc.harmonics import fit_harmonics, fitting, folding, reading, unfolding
+from processing.amc.harmonics import fitting, folding, reading, unfolding
 from processing.amc.tangent_turn import AFTER, BEFORE, TangentTurn, read_turned
 
 F32 = NDArray[np.float32]
@@ -61,8 +61,10 @@ class Series:
 
     def harmonics(self, slices: F32, turn: TangentTurn) -> C64:
         """Return the series (M + 1, T, C) over the angle of the turned tangents."""
-        even = even_angles(self.turned_count)
-        return fit_harmonics(self.turned(slices, turn, even), even, self.highest)
+        even = self.turned(slices, turn, even_angles(self.turned_count))
+        harmonics = np.fft.rfft(even, axis=0)[: self.highest + 1] * (2 / len(even))
+        harmonics[0] /= 2
+        return np.asarray(harmonics, np.complex64)
 
 
 def make_table(slices: F32, valid: Mask, series: Series, turn: TangentTurn, depth: int, repeats: int) -> F32:
@@ -87,11 +89,13 @@ def make_table(slices: F32, valid: Mask, series: Series, turn: TangentTurn, dept
         to_slices = to_slices @ reading(series.fit, even_angles(count))
     for first in range(0, slices.shape[1], _ROWS_AT_ONCE):
         rows = slice(first, first + _ROWS_AT_ONCE)
-        part = slices[:, rows][:, valid[rows]]
-        if not turn.keeps:
-            part = series.turned(part, turn[rows][valid[rows]], even_angles(count))
-        made = _apply(to_slices, part)
-        table[:, rows][:, valid[rows]] = np.maximum(made, 0, out=made)
+        if turn.keeps:
+            made = _apply(to_slices, slices[:, rows])
+            np.maximum(made, 0, out=table[:, rows])
+        else:
+            part = slices[:, rows][:, valid[rows]]
+            made = _apply(to_slices, series.turned(part, turn[rows][valid[rows]], even_angles(count)))
+            table[:, rows][:, valid[rows]] = np.maximum(made, 0, out=made)
     return table
 
 

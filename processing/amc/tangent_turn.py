@@ -74,13 +74,13 @@ def read_turned(turning: F32, turn: TangentTurn, angles_rad: F64) -> F32:
     """
     values = np.zeros((len(angles_rad), *turning.shape[1:]), np.float32)
     azimuth = turn.azimuth_rad
-    azimuths = np.cos(azimuth), np.sin(azimuth), azimuth
+    parts = (turn.normal_z, turn.turned_z, np.cos(azimuth), np.sin(azimuth), azimuth / (2 * np.pi))
+    normal_z, turned_z, cosines, sines, turns = (part.astype(np.float32) for part in parts)
 
     def read(places: slice) -> None:
         angles = angles_rad[places]
-        _read_turned(
-            turning, turn.normal_z, turn.turned_z, *azimuths, np.cos(angles), np.sin(angles), values[places]
-        )  # fmt: skip
+        along, across = np.cos(angles).astype(np.float32), np.sin(angles).astype(np.float32)
+        _read_turned(turning, normal_z, turned_z, cosines, sines, turns, along, across, values[places])
 
     step = -(-len(angles_rad) // _WORKERS)
     with ThreadPoolExecutor(_WORKERS) as workers:
@@ -95,25 +95,26 @@ BEFORE, AFTER = 2, 3
 @kernel
 def _read_turned(
     turning: F32,
-    normal_z: F64,
-    turned_z: F64,
-    azimuth_cos: F64,
-    azimuth_sin: F64,
-    azimuth_rad: F64,
-    angles_cos: F64,
-    angles_sin: F64,
+    normal_z: F32,
+    turned_z: F32,
+    azimuth_cos: F32,
+    azimuth_sin: F32,
+    azimuth_turns: F32,
+    angles_cos: F32,
+    angles_sin: F32,
     values: F32,
 ) -> None:
     """Interpolate by the polynomial through six samples (Lagrange)."""
     count = turning.shape[0] - 5
+    per_radian = np.float32(1 / (2 * math.pi))
     for j in range(len(angles_cos)):
         for t in range(turning.shape[1]):
             across = (angles_sin[j] * azimuth_cos[t] - angles_cos[j] * azimuth_sin[t]) * turned_z[t]
             along = (angles_cos[j] * azimuth_cos[t] + angles_sin[j] * azimuth_sin[t]) * normal_z[t]
-            turns = (math.atan2(across, along) + azimuth_rad[t]) / (2 * math.pi)
-            place = (turns - math.floor(turns)) * count
+            turns = np.float32(math.atan2(across, along)) * per_radian + azimuth_turns[t]
+            place = (turns - np.float32(math.floor(turns))) * np.float32(count)
             first = min(int(place), count - 1)
-            x = np.float32(place - first)
+            x = place - np.float32(first)
             one, two, three = np.float32(1), np.float32(2), np.float32(3)
             a, b, c, d, e, f = x + two, x + one, x, x - one, x - two, x - three
             w0 = -b * c * d * e * f / np.float32(120)

@@ -69,3 +69,18 @@ def test_a_stack_takes_one_role_of_a_capture(tmp_path: Path) -> None:
 def test_a_stack_of_nothing_is_refused() -> None:
     with pytest.raises(InputError, match="no pictures"):
         Stack([])
+
+
+def test_parts_of_all_pictures_are_worked_on_in_their_order(tmp_path: Path) -> None:
+    stack = Stack([write_grey(tmp_path / f"{grey}.png", grey) for grey in (10, 200, 90, 30, 250, 7)])
+    window = (slice(1, 4), slice(2, 9))
+    found = list(stack.each(window, lambda index, part: (index, part.shape, float(part.mean()))))
+    assert [(index, shape) for index, shape, _ in found] == [(index, (3, 7, 3)) for index in range(6)]
+    assert [mean for _, _, mean in found] == pytest.approx([stack.linear(i).mean() for i in range(6)], rel=1e-5)
+
+
+def test_the_culprit_is_named_among_pictures_worked_on_together(tmp_path: Path) -> None:
+    paths = [write_grey(tmp_path / f"{grey}.png", grey) for grey in (10, 200, 90)]
+    stack = Stack([*paths, write_grey(tmp_path / "odd.png", 9, (6, 8))])
+    with pytest.raises(FormatError, match=r"odd\.png: is 8 × 6"):
+        list(stack.each((slice(0, 3), slice(0, 3)), lambda _, part: part))
