@@ -5,13 +5,14 @@ from typing import Any
 import numpy as np
 
 from processing.amc.build import AmcResult
+from processing.amc.model import TangentAngle
 
 _WORST_SHOWN = 3
 
 
 def describe(result: AmcResult) -> list[str]:
     """Say in a few lines what was found and how well the table fits its slices."""
-    return [*_sphere(result), *_flaws(result), *_change(result), _verdict(result), _fit(result)]
+    return [*_sphere(result), *_flaws(result), *_change(result), *_verdict(result), _fit(result)]
 
 
 def facts(result: AmcResult) -> dict[str, Any]:
@@ -73,16 +74,16 @@ def _change(result: AmcResult) -> list[str]:
     ]
 
 
-def _verdict(result: AmcResult) -> str:
+def _verdict(result: AmcResult) -> list[str]:
     found, chosen = result.invariance, result.amc.invariance
     said = "isotropic" if chosen == "isotropic" else f"R = {chosen}"
     if found.found == "cannot tell":
         why = "the change is too little over the noise, or the slices too few, to tell R"
-        return f"{said}: {why}; every slice is kept" if chosen == 1 else f"{said}, as asked for ({why})"
+        return [f"{said}: {why}; every slice is kept" if chosen == 1 else f"{said}, as asked for ({why})"]
     if chosen != found.found:
-        return f"{said}, as asked for (found: {found.found})"
-    where = "; k counts the angle in the surface" if str(result.amc.tangent_angle) == "surface" else ""
-    return f"{said} (in {found.confidence:.0%} of resamplings){where}"
+        return [f"{said}, as asked for (found: {found.found})"]
+    where = "; k counts the tangent's angle in the surface" if result.amc.tangent_angle is TangentAngle.SURFACE else ""
+    return [said, f"  the same in {found.confidence:.0%} of resamplings of the sphere{where}"]
 
 
 def _fit(result: AmcResult) -> str:

@@ -40,7 +40,7 @@ def test_build_writes_the_table_and_says_what_it_found(sphere: Path, tmp_path: P
     out = tmp_path / "x.amc.ktx2"
     result = run(amc, "build", sphere, "-o", out, "--size", 24)
     assert result.exit_code == 0
-    for words in ("centre 59.", "radius 46.", "orthographic", "R = 2 (in 100% of", "8 slices of 24 × 24", str(out)):
+    for words in ("centre 59.", "radius 46.", "orthographic", "R = 2\n", "the same in 100% of", "8 slices of 24 × 24", str(out)):
         assert words in result.output
     assert read_amc(out).slices.shape == (8, 24, 24, 3)
 

@@ -55,7 +55,7 @@ import sys
 
 class Interrupting:
     def find_spec(self, name, path=None, target=None):
-        if name == "processing.cli":
+        if name == "processing.amc.cli":
             raise KeyboardInterrupt
 
 sys.meta_path.insert(0, Interrupting())
