@@ -2,9 +2,13 @@
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 PATH = click.Path(path_type=Path)
 FOLDER = click.argument("folder", metavar="FOLDER", type=PATH)
@@ -21,6 +25,25 @@ def check_output(output: Path, *endings: str) -> None:
         raise InputError(f"{output}: cannot be written as {named}; end it in {' or '.join(endings)}")
     if not output.absolute().parent.is_dir():
         raise InputError(f"{output}: the folder {output.parent} does not exist; create it first")
+
+
+def check_folder(folder: Path) -> None:
+    """Refuse before the work a folder that could not be made after it."""
+    from litrig.base.errors import InputError
+
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder}: is a file; name a folder for the page")
+    if not folder.absolute().parent.is_dir():
+        raise InputError(f"{folder}: the folder {folder.parent} does not exist; create it first")
+
+
+def echo_clipped(output: Path, linear: "NDArray[np.float32]") -> None:
+    """Say what part of a picture is brighter than its file can hold."""
+    import numpy as np
+
+    share = float(np.mean(linear > 1))
+    if share > 0 and output.suffix.lower() != ".exr":
+        click.echo(f"{share:.1%} of the values are brighter than white and are cut off; write .exr to keep them")
 
 
 def echo_facts(facts: dict[str, Any], as_json: bool) -> None:

@@ -106,7 +106,10 @@ class Stack:
         InputError, FormatError
             The file is missing, damaged, or of another size than the first; the message names it.
         """
-        picture = self._checked(index, read_linear(self.paths[index]))
+        return self.corrected(self._checked(index, read_linear(self.paths[index])))
+
+    def corrected(self, picture: F32) -> F32:
+        """Do to any picture (H, W, 3) of linear light what is done to those of the stack."""
         return picture if self._correct is None else self._correct(picture)
 
     def encoded(self, index: int) -> F32:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.capture_folder.capture import Capture
+from litrig.base.errors import InputError
 from litrig.base.progress import Report, silent
 from litrig.base.table_normals import TableNormal
 from processing.amc.flaws.mend import Flaws, mend
@@ -18,7 +19,7 @@ from processing.amc.invariance import InvarianceReport, find_invariance
 from processing.amc.model import Amc, Invariance, TangentAngle
 from processing.amc.noise import noise_variance
 from processing.amc.outline.orbit import Outline
-from processing.amc.probe import make_probe
+from processing.amc.probe import Probe, make_probe
 from processing.amc.resample import dilate
 from processing.amc.settings import Settings
 from processing.amc.shots import Shots, Slices, find_shots
@@ -40,8 +41,9 @@ class AmcResult:
     distance_radii : camera to sphere centre that was used; None for orthographic
     invariance : what the test over the turn said, also when R was prescribed
     flaws : what was found wrong with the sample, and filled
+    picture_shape : height and width of the pictures
     residuals : (N,) RMS difference between each captured slice and the table, in linear light, away from the rim
-    coverage : share of the table's disc that was seen
+    coverage : share of the table's disc that was seen and not filled
     """
 
     amc: Amc
@@ -49,6 +51,7 @@ class AmcResult:
     distance_radii: float | None
     invariance: InvarianceReport
     flaws: Flaws
+    picture_shape: tuple[int, int]
     residuals: F64
     coverage: float
 
@@ -104,6 +107,12 @@ def build_unlit(
         tangent_angle=like.tangent_angle,
     )
     shots = replace(find_shots(capture, settings, report), outline=lit.outline)
+    if shots.stack.shape != lit.picture_shape:
+        (height, width), (lit_height, lit_width) = shots.stack.shape, lit.picture_shape
+        raise InputError(
+            f"{capture.folder}: its pictures have {width} × {height} pixels, those with the key light {lit_width} × "
+            f"{lit_height}; shoot both turns with the same camera at the same place"
+        )
     slices, flaws = _mended(shots, settings, mask, report)
     return _assemble(shots, slices, flaws, settings)
 
@@ -147,12 +156,12 @@ def _mended(shots: Shots, settings: Settings, mask: Mask | None, report: Report)
 
 def _assemble(shots: Shots, slices: Slices, flaws: Flaws, settings: Settings) -> AmcResult:
     """Find R and make even slices, in place of the shot ones."""
-    evidence = _find_invariance(shots, slices, settings)
+    probe = make_probe(slices, shots.series)
+    evidence = _find_invariance(probe, slices, settings)
     chosen = _choose(settings, evidence)
-    repeats, depth = _period(chosen, settings, len(slices.light))
+    repeats, depth = _period(chosen, settings, shots.series.told)
     tangent_angle = settings.tangent_angle or _tangent_angle(chosen, evidence)
     turn = slices.turn.upright if tangent_angle is TangentAngle.SURFACE else slices.turn
-    probe = make_probe(slices, shots.series)
     residuals = (probe.upright() if turn is not slices.turn else probe).residuals(depth, repeats)
     table = make_table(slices.light, slices.valid, shots.series, turn, depth, repeats)
     amc = Amc(
@@ -164,12 +173,19 @@ def _assemble(shots: Shots, slices: Slices, flaws: Flaws, settings: Settings) ->
         source=shots.source,
         tangent_angle=tangent_angle,
     )
-    coverage = min(1.0, float(slices.valid.mean() / (np.pi / 4)))
-    return AmcResult(amc, shots.outline, shots.distance_radii, evidence, flaws, residuals, coverage)
+    return AmcResult(
+        amc=amc,
+        outline=shots.outline,
+        distance_radii=shots.distance_radii,
+        invariance=evidence,
+        flaws=flaws,
+        picture_shape=shots.stack.shape,
+        residuals=residuals,
+        coverage=min(1.0, float(slices.valid.mean() / (np.pi / 4))) * (1 - flaws.filled),
+    )
 
 
-def _find_invariance(shots: Shots, slices: Slices, settings: Settings) -> InvarianceReport:
-    probe = make_probe(slices, shots.series)
+def _find_invariance(probe: Probe, slices: Slices, settings: Settings) -> InvarianceReport:
     return find_invariance(
         probe.harmonics(),
         probe.upright().harmonics(),

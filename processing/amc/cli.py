@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import click
 
-from processing.command_parts import FOLDER, JSON, PATH, PICTURES, check_output, echo_facts
+from processing.command_parts import FOLDER, JSON, PATH, PICTURES, check_folder, check_output, echo_clipped, echo_facts
 
 if TYPE_CHECKING:
     from litrig.base.capture_folder.capture import Capture
@@ -58,7 +58,7 @@ def amc() -> None:
 )
 @click.option("--size", type=int, default=128, show_default=True, help="Texels along each side of a slice.")
 @click.option("--depth", type=int, metavar="D", help="Slices to store; by default the captured ones divided by R.")
-@click.option("--rank", type=click.IntRange(1), metavar="N", help="Pictures of a low-rank table. [12]")
+@click.option("--rank", type=click.IntRange(1), metavar="N", help="Most pictures of a low-rank table. [12]")
 @click.option(
     "--invariance",
     metavar="auto|isotropic|N",
@@ -147,6 +147,8 @@ def build(
     if rank is not None and not output.name.lower().endswith(".exr"):
         raise click.UsageError("--rank is for a low-rank table; name the output X.amc.exr")
     check_output(output, *ENDINGS)
+    if report_folder is not None:
+        check_folder(report_folder)
     settings = _settings(**choices)
     with reporting() as report:
         results = _results(_Wanted(folder, even, mask, split, unlit), settings, report)
@@ -160,11 +162,11 @@ def build(
     if as_json:
         echo_facts({"tables": [{"file": str(paths[name]), **facts(results[name])} for name in results]}, as_json)
         return
-    for line in describe(next(iter(results.values()))):
-        click.echo(line)
     for name, result in results.items():
+        for line in describe(result):
+            click.echo(line)
         depth, height, width, _ = result.amc.slices.shape
-        click.echo(f"{paths[name]}: {depth} slices of {width} × {height}")
+        click.echo(f"{paths[name]}: {depth} {'slice' if depth == 1 else 'slices'} of {width} × {height}")
 
 
 class _Wanted(NamedTuple):
@@ -257,6 +259,8 @@ def amc_info(file: Path, as_json: bool) -> None:
 @click.option("--rank", type=click.IntRange(1), metavar="N", help="Pictures of a low-rank table. [12]")
 def convert(source: Path, output: Path, rank: int | None) -> None:
     """Turn a table into a low-rank one, X.amc.exr, or back into X.amc.ktx2."""
+    import numpy as np
+
     from processing.amc.files.either import ENDINGS, read_any, write_any
 
     check_output(output, *ENDINGS)
@@ -264,7 +268,10 @@ def convert(source: Path, output: Path, rank: int | None) -> None:
         raise click.UsageError("--rank is for a low-rank table; name the output X.amc.exr")
     table = read_any(source)
     write_any(output, table, rank=rank)
-    click.echo(f"{output}: {output.stat().st_size:,} bytes, from {source.stat().st_size:,}")
+    lost = np.abs(read_any(output).slices - table.slices)[table.valid]
+    click.echo(
+        f"{output}: {output.stat().st_size:,} bytes, from {source.stat().st_size:,}; off by {lost.max():.2g} at most"
+    )
 
 
 @amc.command(epilog="Example: litrig amc isotropic satin.amc.ktx2 -o satin.png")
@@ -279,13 +286,14 @@ def isotropic(file: Path, output: Path) -> None:
     check_output(output, *PICTURES)
     picture = isotropic_matcap(read_any(file))
     write_picture(output, picture)
+    echo_clipped(output, picture)
     click.echo(f"{output}: {picture.shape[1]} × {picture.shape[0]} pixels")
 
 
 @amc.command(epilog="Example: litrig amc matcap brass-ball.jpg -o brass.png --distance 9")
 @click.argument("photo", metavar="PHOTO", type=PATH)
 @click.option("-o", "--output", metavar="IMAGE", type=PATH, required=True, help="PNG, JPEG, TIFF or EXR to write.")
-@click.option("--size", type=click.IntRange(4, 4096), default=512, show_default=True, help="Pixels along each side.")
+@click.option("--size", type=click.IntRange(4, 2048), default=512, show_default=True, help="Pixels along each side.")
 @_CIRCLE
 @_DISTANCE
 @_CAMERA
@@ -323,5 +331,6 @@ def matcap(
         distance = sphere_distance_radii(ball.radius_px, (lens.focal_x_px + lens.focal_y_px) / 2)
     made = matcap_from_photo(picture, ball, SphereView(TableNormal(normal), distance), size)
     write_picture(output, made.colours)
+    echo_clipped(output, made.colours)
     click.echo(f"ball: {ball}")
     click.echo(f"{output}: {size} × {size} pixels")

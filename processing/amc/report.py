@@ -8,11 +8,13 @@ from processing.amc.build import AmcResult
 from processing.amc.model import TangentAngle
 
 _WORST_SHOWN = 3
+_LOUD, _LOUD_SHARE = 8.0, 0.05
+"""Residual in units of the noise and of the mean light that is worth a word."""
 
 
 def describe(result: AmcResult) -> list[str]:
     """Say in a few lines what was found and how well the table fits its slices."""
-    return [*_sphere(result), *_flaws(result), *_change(result), *_verdict(result), _fit(result)]
+    return [*_sphere(result), *_flaws(result), *_change(result), *_verdict(result), *_fit(result)]
 
 
 def facts(result: AmcResult) -> dict[str, Any]:
@@ -57,8 +59,8 @@ def _flaws(result: AmcResult) -> list[str]:
         return []
     disc = max(1, int(result.amc.valid[0].sum()))
     return [
-        f"flaws: {flaws.turning.sum() / disc:.1%} of the sphere in folds and cuts that turn with it, "
-        f"{flaws.still.sum() / disc:.1%} in pixels that stand still; filled from what else was seen"
+        f"flaws: {flaws.turning.sum() / disc:.1%} of the sphere in marks that turn with it, "
+        f"{flaws.still.sum() / disc:.1%} in pixels that stand still; {flaws.filled:.1%} of all values were filled"
     ]
 
 
@@ -86,10 +88,16 @@ def _verdict(result: AmcResult) -> list[str]:
     return [said, f"  the same in {found.confidence:.0%} of resamplings of the sphere{where}"]
 
 
-def _fit(result: AmcResult) -> str:
+def _fit(result: AmcResult) -> list[str]:
     worst = np.argsort(result.residuals)[::-1][:_WORST_SHOWN]
     angles = ", ".join(
         f"{result.amc.slice_angles_deg[index]:.1f} deg ({result.residuals[index]:.1e})" for index in worst
     )
     mean = float(np.sqrt(np.mean(result.residuals**2)))
-    return f"residual: {mean:.1e} RMS a slice; worst {angles}; {result.coverage:.0%} of the disc seen"
+    lines = [f"residual: {mean:.1e} RMS a slice; worst {angles}; {result.coverage:.0%} of the disc seen"]
+    if mean > _LOUD * result.invariance.noise and mean > _LOUD_SHARE * float(result.amc.slices.mean()):
+        lines.append(
+            f"that is {mean / max(result.invariance.noise, 1e-9):.0f} times the noise: shoot more slices for such a "
+            "sharp gloss, see whether the R is right, and look at the worst slices"
+        )
+    return lines

@@ -16,7 +16,7 @@ from processing.amc.report import describe
 
 F32 = NDArray[np.float32]
 
-_SLICES_SHOWN = 8
+_SLICES_SHOWN, _SMALLEST_SIDE_PX = 8, 128
 _RANKS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
 
 
@@ -33,47 +33,48 @@ def write_report(folder: Path, results: Mapping[str, AmcResult]) -> Path:
     page = folder / "index.html"
     depth, size = first.amc.slices.shape[:2]
     captured = len(first.amc.slice_angles_deg)
-    lead = f"{captured} captured slices became {depth} of {size} × {size}. Frames: {first.amc.source}"
+    lead = f"{captured} captured slices became {depth} of {size} × {size}. Digest of the frames: {first.amc.source}"
     write_page(page, "Anisotropic MatCap", lead, sections)
     return page
 
 
 def _sections(folder: Path, name: str, result: AmcResult) -> list[Section]:
-    title = f" ({name})" if name else ""
+    title, prefix = (f" ({name})", f"{name}_") if name else ("", "")
     # The evidence on each R has a table of its own.
     text = " ".join(f"{line[0].upper()}{line[1:]}." for line in describe(result) if not line.startswith(" "))
     return [
-        Section(f"Slices{title}", text, _slices(folder, name, result)),
-        _invariance(folder, name, title, result),
-        _residuals(folder, name, title, result),
-        _ranks(folder, name, title, result),
+        Section(f"Slices{title}", text, _slices(folder, prefix, result)),
+        _invariance(folder, prefix, title, result),
+        _residuals(folder, prefix, title, result),
+        _ranks(folder, prefix, title, result),
     ]
 
 
-def _slices(folder: Path, name: str, result: AmcResult) -> list[Figure]:
+def _slices(folder: Path, prefix: str, result: AmcResult) -> list[Figure]:
     amc = result.amc
     shown = np.unique(np.linspace(0, len(amc.slices), min(_SLICES_SHOWN, len(amc.slices)), endpoint=False).astype(int))
     figures = []
     for index in shown:
         angle_deg = 360 * index / (amc.repeats * len(amc.slices))
-        figures.append(_picture(folder, f"{name}slice_{index:03d}.png", amc.slices[index], f"k at {angle_deg:.1f}°"))
-    figures.append(_picture(folder, f"{name}mean.png", isotropic_matcap(amc), "mean of all: the isotropic MatCap"))
+        figures.append(_picture(folder, f"{prefix}slice_{index:03d}.png", amc.slices[index], f"k at {angle_deg:.1f}°"))
+    figures.append(_picture(folder, f"{prefix}mean.png", isotropic_matcap(amc), "mean of all: the isotropic MatCap"))
     if result.flaws.filled:
         marks = np.full((*result.flaws.turning.shape, 3), 0.05, np.float32)
         marks[result.flaws.turning], marks[result.flaws.still] = (1, 0.6, 0.1), (0.2, 0.6, 1)
         caption = "folds and cuts (orange) and still pixels (blue), as the first picture shows them"
-        figures.append(_picture(folder, f"{name}flaws.png", marks, caption))
+        figures.append(_picture(folder, f"{prefix}flaws.png", marks, caption))
     return figures
 
 
 def _picture(folder: Path, file: str, linear: F32, caption: str) -> Figure:
-    write_picture(folder / file, linear)
-    return Figure(file, caption, size=(linear.shape[1], linear.shape[0]))
+    times = max(1, _SMALLEST_SIDE_PX // len(linear))
+    write_picture(folder / file, linear.repeat(times, axis=0).repeat(times, axis=1))
+    return Figure(file, caption, size=(times * linear.shape[1], times * linear.shape[0]))
 
 
-def _invariance(folder: Path, name: str, title: str, result: AmcResult) -> Section:
+def _invariance(folder: Path, prefix: str, title: str, result: AmcResult) -> Section:
     found = result.invariance
-    file = f"{name}rotation.png"
+    file = f"{prefix}rotation.png"
     turns_deg = np.linspace(0, 360, 361)
     with plot(folder / file) as axes:
         axes.plot(turns_deg, found.rotation_difference(turns_deg), color=ACCENT)
@@ -94,8 +95,8 @@ def _invariance(folder: Path, name: str, title: str, result: AmcResult) -> Secti
     return Section(f"Invariance{title}", text, [Figure(file, caption, wide=True)], table)
 
 
-def _residuals(folder: Path, name: str, title: str, result: AmcResult) -> Section:
-    file = f"{name}residuals.png"
+def _residuals(folder: Path, prefix: str, title: str, result: AmcResult) -> Section:
+    file = f"{prefix}residuals.png"
     with plot(folder / file) as axes:
         axes.plot(result.amc.slice_angles_deg, result.residuals, ".", color=ACCENT)
         axes.axhline(result.invariance.noise, color=QUIET, linestyle=":", label="noise")
@@ -107,9 +108,9 @@ def _residuals(folder: Path, name: str, title: str, result: AmcResult) -> Sectio
     return Section(f"Residuals{title}", text, [Figure(file, "residual of each captured slice", wide=True)])
 
 
-def _ranks(folder: Path, name: str, title: str, result: AmcResult) -> Section:
+def _ranks(folder: Path, prefix: str, title: str, result: AmcResult) -> Section:
     curve = error_curve(result.amc, [rank for rank in _RANKS if rank <= len(result.amc.slices)])
-    file = f"{name}ranks.png"
+    file = f"{prefix}ranks.png"
     with plot(folder / file) as axes:
         lossy = [entry for entry in curve if np.isfinite(entry.psnr_db)]
         axes.plot(

@@ -23,7 +23,7 @@ class Settings:
     Attributes
     ----------
     size : S, texels along the normal's x and y
-    depth : D, slices stored; by default as many as were captured, divided by R
+    depth : D, slices stored; by default as many as there are different angles, divided by R; 1 for isotropic
     invariance : R, "isotropic", or "auto" to find it; where one cannot tell, all slices are kept
     threshold : for "auto", share of the change's energy that may contradict an R
     most_repeats : for "auto", the largest R that is tried
@@ -59,6 +59,10 @@ class Settings:
             raise InputError(f"a table of {self.size} texels a side; choose 4 to {LARGEST_SIZE}")
         if self.depth is not None and not 1 <= self.depth <= LARGEST_SIZE:
             raise InputError(f"a depth of {self.depth} slices; choose 1 to {LARGEST_SIZE}")
+        if self.depth == 2:
+            raise InputError("a depth of 2 slices, which hold no change over the turn; choose 1, or 3 and more")
+        if self.invariance == "isotropic" and self.depth not in (None, 1):
+            raise InputError(f"a depth of {self.depth} slices of an isotropic material; it has one, leave --depth out")
         if not 0 <= self.threshold <= 1:
             raise InputError(f"a threshold of {self.threshold:g}; it is a share, choose 0 to 1")
         if not 1 <= self.most_repeats <= LARGEST_REPEATS:

@@ -110,7 +110,7 @@ class Shots:
             )
         where = self.outline.circle_at(float(self.series.angles_rad[self.first]))
         resampler = make_resampler(where, view, size)
-        light = mask.astype(np.float32)
+        light = self.stack.corrected(np.repeat(mask.astype(np.float32)[..., None], 3, axis=-1))[..., 0]
         marked = np.zeros((len(self.stack), size, size), bool)
         for index, turn_deg in enumerate(self.tangents_deg - self.tangents_deg[self.first]):
             # OpenCV turns counter-clockwise as seen, about a point that it counts from the first pixel's centre.
@@ -164,6 +164,8 @@ def _held(circle: Circle) -> Outline:
 
 
 def _angle_deg(capture: Capture, frame: CapturedFrame) -> float:
+    if frame.angle_deg is None and frame.light is not None:
+        raise InputError(f"{capture.folder}: was shot under many lights, not in a turn; give it to litrig ptm fit")
     if frame.angle_deg is None:
         raise InputError(
             f"{frame.path}: has no turntable angle; name one for every picture in {capture.folder / 'angles.csv'}, or "

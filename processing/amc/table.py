@@ -40,6 +40,11 @@ class Series:
         return 2 * self.highest + 1
 
     @property
+    def told(self) -> int:
+        """As many even slices as these are worth: repeated angles count once."""
+        return min(len(self.angles_rad), self.count + 1)
+
+    @property
     def turned_count(self) -> int:
         """Even angles that hold what a turn makes of it, for turning widens its waves here and narrows them there."""
         return self.count + self.count // 2

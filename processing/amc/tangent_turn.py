@@ -41,10 +41,6 @@ class TangentTurn:
         return TangentTurn(self.normal_z[texels], self.turned_z[texels], self.azimuth_rad[texels])
 
     @property
-    def flat(self) -> "TangentTurn":
-        return TangentTurn(self.normal_z.ravel(), self.turned_z.ravel(), self.azimuth_rad.ravel())
-
-    @property
     def inverse(self) -> "TangentTurn":
         return TangentTurn(self.turned_z, self.normal_z, self.azimuth_rad)
 

@@ -40,7 +40,15 @@ def test_build_writes_the_table_and_says_what_it_found(sphere: Path, tmp_path: P
     out = tmp_path / "x.amc.ktx2"
     result = run(amc, "build", sphere, "-o", out, "--size", 24)
     assert result.exit_code == 0
-    for words in ("centre 59.", "radius 46.", "orthographic", "R = 2\n", "the same in 100% of", "8 slices of 24 × 24", str(out)):
+    for words in (
+        "centre 59.",
+        "radius 46.",
+        "orthographic",
+        "R = 2\n",
+        "the same in 100% of",
+        "8 slices of 24 × 24",
+        str(out),
+    ):
         assert words in result.output
     assert read_amc(out).slices.shape == (8, 24, 24, 3)
 
@@ -109,6 +117,26 @@ def test_build_spreads_pictures_without_angles_evenly(sphere: Path, tmp_path: Pa
     assert read_amc(tmp_path / "x.amc.ktx2").slice_angles_deg == pytest.approx(np.arange(16) * 22.5)
     with pytest.raises(InputError, match="leave --even out"):
         run(amc, "build", sphere, "-o", tmp_path / "y.amc.ktx2", "--even")
+
+
+def test_pictures_under_many_lights_are_no_turn(relief: Path, tmp_path: Path) -> None:
+    for options in ([], ["--even"]):
+        with pytest.raises(InputError, match=r"under many lights.*litrig ptm fit"):
+            run(amc, "build", relief, "-o", tmp_path / "x.amc.ktx2", *options)
+
+
+def test_a_page_that_cannot_be_is_refused_before_the_work(sphere: Path, tmp_path: Path) -> None:
+    (tmp_path / "taken").write_text("")
+    with pytest.raises(InputError, match=r"taken: is a file"):
+        run(amc, "build", sphere, "-o", tmp_path / "x.amc.ktx2", "--report", tmp_path / "taken")
+    assert not (tmp_path / "x.amc.ktx2").exists()
+
+
+def test_light_that_a_picture_cannot_hold_is_said(tmp_path: Path) -> None:
+    scene = Scene("isotropic", (159.3, 134.8, 106.4), (270, 318))
+    write_picture(tmp_path / "ball.exr", 4 * scene.picture(0).astype(np.float32))
+    said = run(amc, "matcap", tmp_path / "ball.exr", "-o", tmp_path / "x.png", "--size", 64).output
+    assert "brighter than white" in said
 
 
 def test_build_takes_a_mask(sphere: Path, tmp_path: Path) -> None:

@@ -38,6 +38,8 @@ def read_capture(folder: Path) -> Capture:
         The folder is missing, holds no picture, names a picture that is not there, or a frame is not the one that was
         captured (its digest differs from the journal's). So with a session's settings, and a list that cannot be read.
     """
+    if folder.is_file():
+        raise InputError(f"{folder}: is a file; name the folder that holds the pictures")
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder; check the path")
     return _read_session(folder) if layout.is_capture_folder(folder) else _read_plain(folder)
@@ -81,6 +83,8 @@ def turn_evenly(capture: Capture) -> Capture:
     known = [frame.path.name for frame in capture.frames if frame.angle_deg is not None]
     if known:
         raise InputError(f"{capture.folder}: {_some(known)} have turntable angles already; leave --even out")
+    if any(frame.light is not None for frame in capture.frames):
+        raise InputError(f"{capture.folder}: was shot under many lights, not in a turn; give it to litrig ptm fit")
     frames = [frame for frame in capture.frames if frame.role is Role.FRAME]
     others = tuple(frame for frame in capture.frames if frame.role is not Role.FRAME)
     step_deg = 360 / max(1, len(frames))

@@ -1,7 +1,10 @@
 """AMC files of either kind: whole tables in `X.amc.ktx2`, low-rank ones in `X.amc.exr`."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from processing.amc.files.ktx2 import AmcHeader, read_amc, read_header, write_amc
 from processing.amc.files.low_rank_check import read_layout
@@ -23,7 +26,11 @@ def read_any(path: Path) -> Amc:
     InputError, FormatError
         The file is missing, damaged, or holds no AMC.
     """
-    return read_low_rank(path).expand() if path.name.lower().endswith(LOW_RANK) else read_amc(path)
+    if not path.name.lower().endswith(LOW_RANK):
+        return read_amc(path)
+    table = read_low_rank(path).expand()
+    # Sums of few pictures undershoot beside a sharp highlight; light does not.
+    return replace(table, slices=np.maximum(table.slices, 0))
 
 
 def write_any(path: Path, amc: Amc, *, rank: int | None = None) -> None:
@@ -31,10 +38,11 @@ def write_any(path: Path, amc: Amc, *, rank: int | None = None) -> None:
 
     Parameters
     ----------
-    rank : pictures of a low-rank file; twelve, or as many as there are slices, when None
+    rank : most pictures of a low-rank file; by default twelve, or half as many as there are slices
     """
     if path.name.lower().endswith(LOW_RANK):
-        write_low_rank(path, compress(amc, rank or min(DEFAULT_RANK, len(amc.slices))))
+        most = rank or min(DEFAULT_RANK, max(1, len(amc.slices) // 2))
+        write_low_rank(path, compress(amc, min(most, len(amc.slices))))
     else:
         write_amc(path, amc)
 

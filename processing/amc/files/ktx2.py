@@ -28,6 +28,7 @@ _ZSTD_WINDOW = 1 << 27
 _HALF_A_CODE_UP = 0.0045
 """By so much may linear light exceed 1 before its sRGB code would no longer round to 255."""
 _HALF_A_CODE_DOWN = 0.5 / 255 / 12.92
+_DIM = 0.02
 _LARGEST_HALF = float(np.finfo(np.float16).max)
 
 
@@ -55,7 +56,7 @@ def write_amc(
 
     Parameters
     ----------
-    half_float : store linear half floats instead of 8-bit sRGB codes; None does so only if a colour exceeds 0..1
+    half_float : store linear half floats instead of 8-bit sRGB codes; None does so if a colour exceeds 0..1 or all are dim
     mip_levels : store the smaller levels too, for renderers that do not make their own
     compress : pack every level by Zstandard
 
@@ -144,6 +145,9 @@ def _extremes(amc: Amc) -> str:
 
 
 def _fits_codes(amc: Amc) -> bool:
+    """Tell whether codes of 8 bits hold the colours: none is beyond them, and some are well above the first."""
+    if 0 < amc.slices.max() < _DIM:
+        return False
     return bool(amc.slices.min() >= -_HALF_A_CODE_DOWN and amc.slices.max() <= 1 + _HALF_A_CODE_UP)
 
 

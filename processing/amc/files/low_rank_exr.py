@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import FormatError, InputError
 from litrig.base.files import replacing
+from litrig.base.quiet import quiet_library
 from litrig.base.version import litrig_version
 from processing.amc.files.low_rank_check import KEY, KIND, MEND, Layout, part_names, read_layout
 from processing.amc.low_rank import LowRankAmc
@@ -98,7 +99,8 @@ def _check(path: Path, low: LowRankAmc, half_float: bool) -> None:
 def _read_parts(path: Path, layout: Layout) -> dict[str, dict[str, F32]]:
     """Read all pixels as float32 and see that they are what the head promised."""
     try:
-        with OpenEXR.File(str(path)) as exr:
+        # OpenEXR says on standard output what it could not decode; it is said below, in one line.
+        with quiet_library(), OpenEXR.File(str(path)) as exr:
             found = {
                 part.name(): {name: np.asarray(channel.pixels) for name, channel in part.channels.items()}
                 for part in exr.parts

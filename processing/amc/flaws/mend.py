@@ -1,20 +1,26 @@
 """What is wrong with the sample or the camera, found or marked, and made good in the slices."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from processing.amc.flaws.defects import Defects, find_defects
+from litrig.base.errors import InputError
+from processing.amc.flaws.defects import find_defects
 from processing.amc.flaws.fill import fill
 from processing.amc.flaws.sample_frame import track, turn_mask
 from processing.amc.flaws.tighten import tighten
 from processing.amc.flaws.weave import average_weave
+from processing.amc.noise import noise_variance
 from processing.amc.settings import Settings
 from processing.amc.shots import Shots, Slices
 
 F64 = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+_MOST_FILLED = 0.5
+_LEAST_CHANGE = 1.5
+"""Variance over the turn in units of the noise's."""
 
 
 @dataclass(frozen=True)
@@ -44,21 +50,32 @@ def mend(slices: Slices, shots: Shots, settings: Settings, marks: Mask | None) -
     """
     angles_rad, valid = shots.series.angles_rad, slices.valid
     to_first_rad = float(angles_rad[shots.first] - angles_rad[0])
-    none = np.zeros_like(valid)
-    found = Defects(none, none, np.zeros(valid.shape, np.float32), 0.0, float("inf"))
-    if settings.defects == "find":
+    turning, still, weakest = np.zeros_like(valid), np.zeros_like(valid), float("inf")
+    if settings.defects == "find" and _changes(slices):
         found = find_defects(slices.light, angles_rad, valid)
-        found = replace(found, turning=tighten(found.turning, slices.light, angles_rad, valid))
-    turning = none if marks is None else marks[shots.first]
-    if found.turning.any():
-        turning = turning | turn_mask(found.turning, to_first_rad)
-    filled = 0.0
-    if turning.any() or found.still.any():
-        marked = track(found.turning, angles_rad - angles_rad[0])
-        marked |= found.still if marks is None else marks | found.still
-        marked &= valid
-        filled = float(marked.sum() / (valid.sum() * len(angles_rad)))
+        turning, still, weakest = tighten(found.turning, slices.light, angles_rad, valid), found.still, found.weakest
+    marked = track(turning, angles_rad - angles_rad[0])
+    marked |= still if marks is None else marks | still
+    marked &= valid
+    filled = float(marked.sum() / (valid.sum() * len(angles_rad)))
+    if filled > _MOST_FILLED:
+        raise InputError(
+            f"{shots.stack.paths[0].parent}: marks cover {filled:.0%} of the sphere, which leaves too little to fill "
+            "from; a mask is white where there is NO material; give one that is smaller, or a better sample"
+        )
+    if filled:
         slices.light[:] = fill(slices.light, marked, angles_rad, valid)
     if settings.weave == "average":
         slices.light[:] = average_weave(slices.light, angles_rad, valid)
-    return Flaws(turning & valid, found.still & valid, filled, found.weakest)
+    at_first = turn_mask(turning, to_first_rad) if turning.any() else turning
+    if marks is not None:
+        at_first = at_first | marks[shots.first]
+    return Flaws(at_first & valid, still & valid, filled, weakest)
+
+
+def _changes(slices: Slices) -> bool:
+    """Tell whether anything changes over the turn; where nothing does, nothing sticks to the sample either."""
+    light = slices.light[:, slices.valid]
+    noise = noise_variance(slices.light, slices.valid, slices.difference_gain)
+    change = float(np.mean(light.var(axis=0)))
+    return change > _LEAST_CHANGE * max(noise, 1e-12)

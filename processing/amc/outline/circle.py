@@ -41,6 +41,8 @@ class Circle:
         """Return the circle if pictures of this shape (H, W) hold all of it; `source` names them in the error."""
         height, width = shape
         reach = self.radius_px
+        if not np.isfinite([self.x_px, self.y_px, reach]).all():
+            raise InputError(f"{source}: a circle at {self} is no circle; {_NEXT_STEP} as numbers")
         if not reach >= SMALLEST_RADIUS_PX:
             raise InputError(
                 f"{source}: a circle of radius {reach:g} px shows no material; {_NEXT_STEP} with R of "

@@ -13,9 +13,11 @@ from litrig.base.camera_model import CameraModel
 from litrig.base.capture_folder.capture import Capture
 from litrig.base.capture_folder.reader import read_capture
 from litrig.base.errors import InputError
+from litrig.base.pictures import write_picture
 from litrig.base.progress import Progress
 from litrig.base.table_normals import TableNormal, rotate_smallest
 from processing.amc.build import build, build_split, build_unlit
+from processing.amc.files.ktx2 import read_amc, write_amc
 from processing.amc.model import Amc, TangentAngle
 from processing.amc.outline.circle import Circle
 from processing.amc.settings import Settings
@@ -140,6 +142,42 @@ def test_the_unlit_companion_is_of_the_same_form(folders: Folders) -> None:
     assert unlit.amc.slices.shape == lit.amc.slices.shape
     assert unlit.outline is lit.outline
     assert (unlit.amc.invariance, unlit.invariance.found) == (2, 1)
+
+
+def test_an_unlit_turn_of_other_pictures_is_refused(folders: Folders, tmp_path: Path) -> None:
+    lit = build(folders.shoot("2"), Settings(size=SIZE))
+    other = Scene("2", (159.3, 154.8, 96.4), (310, 318), samples=1).shoot(tmp_path, EVEN_DEG)
+    with pytest.raises(InputError, match=r"318 × 310 pixels, those with the key light 118 × 110"):
+        build_unlit(lit, read_capture(other), Settings(size=SIZE))
+
+
+def test_two_turns_at_the_same_angles_are_worth_one(folders: Folders) -> None:
+    capture = folders.shoot("2")
+    again = tuple(replace(frame, angle_deg=(frame.angle_deg or 0) + 360) for frame in capture.frames)
+    result = build(replace(capture, frames=capture.frames + again), Settings(size=SIZE, circle=CIRCLE))
+    assert len(result.amc.slices) == SLICES / 2
+
+
+def test_a_table_that_does_not_turn_has_no_folds(tmp_path: Path, folders: Folders) -> None:
+    """The same picture again and again: nothing is found, and nothing filled in."""
+    capture = folders.shoot("2")
+    stuck = tuple(replace(frame, path=capture.frames[0].path) for frame in capture.frames)
+    result = build(replace(capture, frames=stuck), Settings(size=SIZE, circle=CIRCLE))
+    assert (result.flaws.filled, result.invariance.found) == (0, "isotropic")
+
+
+def test_dim_light_is_not_rounded_to_black(tmp_path: Path) -> None:
+    scene = Scene("2", (59.3, 54.8, 46.4), (110, 118), samples=1)
+    lines = ["name,deg"]
+    for index, angle in enumerate(EVEN_DEG):
+        write_picture(tmp_path / f"{index:02d}.exr", 1e-4 * scene.picture(float(angle)))
+        lines.append(f"{index:02d}.exr,{angle}")
+    (tmp_path / "angles.csv").write_text("\n".join(lines))
+    table = build(read_capture(tmp_path), Settings(size=SIZE, circle=CIRCLE)).amc
+    write_amc(tmp_path / "x.amc.ktx2", table)
+    stored = read_amc(tmp_path / "x.amc.ktx2").slices
+    assert stored.max() > 2e-5
+    assert stored == pytest.approx(table.slices, rel=0.01, abs=1e-6)
 
 
 def test_slices_that_tell_nothing_are_all_kept(tmp_path: Path) -> None:
@@ -282,6 +320,9 @@ def test_the_sessions_distance_is_used_unless_overruled(folders: Folders) -> Non
         pytest.param({"distance_radii": 0.5}, "0.5 radii", id="camera inside"),
         pytest.param({"size": 2}, "2 texels", id="no table"),
         pytest.param({"depth": 0}, "depth of 0", id="no slice"),
+        pytest.param({"depth": 2}, "hold no change", id="slices that hold no change"),
+        pytest.param({"depth": 5, "invariance": "isotropic"}, "leave --depth out", id="depth of the isotropic"),
+        pytest.param({"circle": Circle(float("nan"), 55, 46)}, "is no circle", id="circle of no numbers"),
         pytest.param({"invariance": 0}, "invariance of 0", id="repeats never"),
         pytest.param({"threshold": 5.0}, "threshold of 5", id="threshold in percent"),
         pytest.param({"tangent_zero_deg": float("nan")}, "tangent at nan deg", id="tangent that is no number"),

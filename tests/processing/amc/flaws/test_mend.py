@@ -113,3 +113,8 @@ def test_a_whole_sphere_is_left_alone(whole: Capture) -> None:
 def test_a_mask_of_another_size_is_refused(cut: Capture) -> None:
     with pytest.raises(InputError, match=r"mask has 100 × 90 pixels, the pictures have 158 × 150.*frame_0000\.png"):
         build(cut, SETTINGS, mask=np.zeros((90, 100), bool))
+
+
+def test_a_mask_that_leaves_nothing_is_refused(cut: Capture) -> None:
+    with pytest.raises(InputError, match=r"marks cover 100% of the sphere.*NO material"):
+        build(cut, SETTINGS, mask=np.ones(SHAPE, bool))

@@ -98,7 +98,6 @@ def test_a_picture_without_a_sphere_says_what_to_do(behind: NDArray[np.int64], t
         pytest.param(Circle(50, 25, 31.5), id="top"),
         pytest.param(Circle(50, 55, 31.5), id="bottom"),
         pytest.param(Circle(50, 50, 80), id="all around"),
-        pytest.param(Circle(float("nan"), 50, 10), id="nowhere"),
     ],
 )
 def test_a_sphere_cut_by_the_border_is_refused(circle: Circle) -> None:
