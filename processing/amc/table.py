@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from processing.amc.harmonics import fitting, folding, reading, unfolding
+from processing.amc.harmonics import fit_harmonics, fitting, folding, reading, unfolding
 from processing.amc.tangent_turn import AFTER, BEFORE, TangentTurn, read_turned
 
 F32 = NDArray[np.float32]
@@ -66,6 +66,8 @@ class Series:
 
     def harmonics(self, slices: F32, turn: TangentTurn) -> C64:
         """Return the series (M + 1, T, C) over the angle of the turned tangents."""
+        if turn.keeps:
+            return fit_harmonics(slices, self.angles_rad, self.highest)
         even = self.turned(slices, turn, even_angles(self.turned_count))
         harmonics = np.fft.rfft(even, axis=0)[: self.highest + 1] * (2 / len(even))
         harmonics[0] /= 2

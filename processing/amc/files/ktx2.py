@@ -56,7 +56,8 @@ def write_amc(
 
     Parameters
     ----------
-    half_float : store linear half floats instead of 8-bit sRGB codes; None does so if a colour exceeds 0..1 or all are dim
+    half_float : store linear half floats instead of 8-bit sRGB codes; None does so if a colour exceeds 0..1, or if all
+        are dim
     mip_levels : store the smaller levels too, for renderers that do not make their own
     compress : pack every level by Zstandard
 

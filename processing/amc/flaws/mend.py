@@ -54,23 +54,30 @@ def mend(slices: Slices, shots: Shots, settings: Settings, marks: Mask | None) -
     if settings.defects == "find" and _changes(slices):
         found = find_defects(slices.light, angles_rad, valid)
         turning, still, weakest = tighten(found.turning, slices.light, angles_rad, valid), found.still, found.weakest
-    marked = track(turning, angles_rad - angles_rad[0])
-    marked |= still if marks is None else marks | still
-    marked &= valid
-    filled = float(marked.sum() / (valid.sum() * len(angles_rad)))
-    if filled > _MOST_FILLED:
-        raise InputError(
-            f"{shots.stack.paths[0].parent}: marks cover {filled:.0%} of the sphere, which leaves too little to fill "
-            "from; a mask is white where there is NO material; give one that is smaller, or a better sample"
-        )
-    if filled:
-        slices.light[:] = fill(slices.light, marked, angles_rad, valid)
+    filled = 0.0
+    if turning.any() or still.any() or marks is not None:
+        marked = track(turning, angles_rad - angles_rad[0])
+        marked |= still if marks is None else marks | still
+        marked &= valid
+        filled = _fill(slices, marked, shots)
     if settings.weave == "average":
         slices.light[:] = average_weave(slices.light, angles_rad, valid)
     at_first = turn_mask(turning, to_first_rad) if turning.any() else turning
     if marks is not None:
         at_first = at_first | marks[shots.first]
     return Flaws(at_first & valid, still & valid, filled, weakest)
+
+
+def _fill(slices: Slices, marked: Mask, shots: Shots) -> float:
+    """Fill marks (N, S, S) in place; return which share of all values they are."""
+    share = float(marked.sum() / (slices.valid.sum() * len(marked)))
+    if share > _MOST_FILLED:
+        raise InputError(
+            f"{shots.stack.paths[0].parent}: marks cover {share:.0%} of the sphere, which leaves too little to fill "
+            "from; a mask is white where there is NO material; give one that is smaller, or a better sample"
+        )
+    slices.light[:] = fill(slices.light, marked, shots.series.angles_rad, slices.valid)
+    return share
 
 
 def _changes(slices: Slices) -> bool:
