@@ -8,13 +8,15 @@ from processing.amc.build import AmcResult
 from processing.amc.model import TangentAngle
 
 _WORST_SHOWN = 3
+_GAP = 1.6
+"""Step between neighbouring angles, in units of the usual one, that a missing frame makes."""
 _LOUD, _LOUD_SHARE = 8.0, 0.05
 """Residual in units of the noise and of the mean light that is worth a word."""
 
 
 def describe(result: AmcResult) -> list[str]:
     """Say in a few lines what was found and how well the table fits its slices."""
-    return [*_sphere(result), *_flaws(result), *_change(result), *_verdict(result), *_fit(result)]
+    return [*_sphere(result), *_gap(result), *_flaws(result), *_change(result), *_verdict(result), *_fit(result)]
 
 
 def facts(result: AmcResult) -> dict[str, Any]:
@@ -51,6 +53,17 @@ def _sphere(result: AmcResult) -> list[str]:
     away = "orthographic" if result.distance_radii is None else f"camera at {result.distance_radii:.2f} radii"
     remark = result.outline.orbit.remark()
     return [f"sphere: {result.outline.circle}; {away}", *([remark] if remark else [])]
+
+
+def _gap(result: AmcResult) -> list[str]:
+    """Say where frames are missing that the series over the turn has bridged."""
+    angles = np.unique(np.round(np.mod(result.amc.slice_angles_deg, 360), 3))
+    steps = np.diff(np.append(angles, angles[0] + 360))
+    widest = int(np.argmax(steps))
+    if steps[widest] < _GAP * np.median(steps):
+        return []
+    after = (angles[widest] + steps[widest]) % 360
+    return [f"no frame between {angles[widest]:.1f} and {after:.1f} deg: read off the others' series over the turn"]
 
 
 def _flaws(result: AmcResult) -> list[str]:

@@ -14,7 +14,7 @@ GOAL_DB, WRONG_DB = 27, 18
 
 @pytest.mark.parametrize(
     ("material", "brushing", "distance_radii"),
-    [("rough aluminium", "circular", None), ("gold", "tilted-pole", 8.0), ("weave", "tilted-pole", 4.0)],
+    [("rough aluminium", "circular", None), ("weave", "tilted-pole", 4.0)],
 )
 def test_a_table_predicts_another_brushing_and_needs_the_right_tangent(
     studio: Studio, material: str, brushing: Brushing, distance_radii: float | None
@@ -24,6 +24,6 @@ def test_a_table_predicts_another_brushing_and_needs_the_right_tangent(
     assert prediction.off_by_90_db < WRONG_DB
 
 
-@pytest.mark.parametrize("invariance", [2, 3, "isotropic"], ids=lambda invariance: f"R = {invariance}")
+@pytest.mark.parametrize("invariance", [3, "isotropic"], ids=lambda invariance: f"R = {invariance}")
 def test_the_invariance_of_a_woven_sphere_is_found(studio: Studio, invariance: Invariance) -> None:
     assert fabric_verdict(studio, invariance, distance_radii=8).invariance.found == invariance

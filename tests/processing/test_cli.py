@@ -73,6 +73,18 @@ def test_build_takes_the_distance_from_a_camera_model(sphere: Path, tmp_path: Pa
     assert "camera at 10.0" in result.output
 
 
+def test_build_says_which_frame_is_missing(sphere: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "gap"
+    folder.mkdir()
+    for picture in sphere.glob("*.png"):
+        (folder / picture.name).write_bytes(picture.read_bytes())
+    lines = (sphere / "angles.csv").read_text().splitlines()
+    (folder / "angles.csv").write_text("\n".join(line for line in lines if not line.endswith(",90.000000")))
+    said = run(amc, "build", folder, "-o", tmp_path / "x.amc.ktx2", "--size", 16).output
+    assert "no frame between 67.5 and 112.5 deg" in said
+    assert "no frame" not in run(amc, "build", sphere, "-o", tmp_path / "x.amc.ktx2", "--size", 16).output
+
+
 def test_build_speaks_json_and_writes_a_page(sphere: Path, tmp_path: Path) -> None:
     out, page = tmp_path / "x.amc.ktx2", tmp_path / "x.report"
     result = run(amc, "build", sphere, "-o", out, "--size", 24, "--json", "--report", page)

@@ -52,7 +52,7 @@ class Folders:
 
 def build_there(capture: Capture, **options: Any) -> Amc:
     """Build with the circle given, for tests that are about something else."""
-    return build(capture, Settings(**{"size": SIZE, "circle": CIRCLE, **options})).amc
+    return build(capture, Settings(**{"size": SIZE, "circle": CIRCLE, "defects": "ignore", **options})).amc
 
 
 def error_against(amc: Amc, kind: str, taus_deg: NDArray[np.float64] | None = None) -> float:
