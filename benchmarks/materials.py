@@ -14,7 +14,8 @@ from litrig.base.capture_folder.capture import Capture, CapturedFrame
 from litrig.base.directions import direction_from_angles
 from litrig.base.pictures import read_codes
 from processing.amc.build import build
-from processing.amc.outline.circle import Circle, find_circle
+from processing.amc.outline.circle import Circle
+from processing.amc.outline.orbit import find_outline
 from processing.amc.settings import Settings
 from processing.ptm.fit import fit
 from processing.ptm.relight import relight
@@ -74,6 +75,7 @@ def _amc(folder: Path) -> list[Comparison]:
         for path in paths:
             read_codes(path)
 
+    angles_rad = np.radians([frame.angle_deg or 0.0 for frame in capture.frames])
     what = f"AMC, {SLICES} JPEGs of 640 × 480 to 128³"
     beside = ("decoding alone", decode)
     goal = "≤ 0.25 s"
@@ -87,7 +89,7 @@ def _amc(folder: Path) -> list[Comparison]:
             beside,
             rounds=5,
         ),
-        compare(what, ("finding the sphere", lambda: find_circle(Stack(paths))), beside, rounds=5),
+        compare(what, ("finding the sphere", lambda: find_outline(Stack(paths), angles_rad)), beside, rounds=5),
     ]
 
 

@@ -35,6 +35,10 @@ class CameraModel(StrictModel):
     distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
     """k1, k2, p1, p2, k3."""
 
+    def sphere_distance_radii(self, image_radius_px: float) -> float:
+        """Distance of the camera to the centre of a sphere on its axis, in radii, from its image."""
+        return sphere_distance_radii(image_radius_px, (self.focal_x_px + self.focal_y_px) / 2)
+
 
 def read_camera_model(path: Path) -> CameraModel:
     """Read a CAMERA.toml."""

@@ -41,6 +41,16 @@ def _parse_invariance(_context: click.Context, _option: click.Parameter, word: s
     return int(word)
 
 
+def _refuse_two_distances(distance: float | None, camera: Path | None) -> None:
+    if distance is not None and camera is not None:
+        raise click.UsageError("--distance and --camera both say how far the camera stands; give one")
+
+
+def _refuse_rank(output: Path, rank: int | None) -> None:
+    if rank is not None and not output.name.lower().endswith(".exr"):
+        raise click.UsageError("--rank is for a low-rank table; name the output X.amc.exr")
+
+
 @click.group()
 def amc() -> None:
     """Make Anisotropic MatCaps: the look of a material in one lighting, from a turn of a covered sphere."""
@@ -140,13 +150,11 @@ def build(
     from processing.amc.files.either import ENDINGS, beside, write_any
     from processing.amc.report import describe, facts
 
-    if choices["distance"] is not None and choices["camera"] is not None:
-        raise click.UsageError("--distance and --camera both say how far the camera stands; give one")
+    _refuse_two_distances(choices["distance"], choices["camera"])
     if split and unlit is not None:
         raise click.UsageError("--split and --unlit make pairs of their own; give one")
-    if rank is not None and not output.name.lower().endswith(".exr"):
-        raise click.UsageError("--rank is for a low-rank table; name the output X.amc.exr")
     check_output(output, *ENDINGS)
+    _refuse_rank(output, rank)
     if report_folder is not None:
         check_folder(report_folder)
     settings = _settings(**choices)
@@ -264,8 +272,7 @@ def convert(source: Path, output: Path, rank: int | None) -> None:
     from processing.amc.files.either import ENDINGS, read_any, write_any
 
     check_output(output, *ENDINGS)
-    if rank is not None and not output.name.lower().endswith(".exr"):
-        raise click.UsageError("--rank is for a low-rank table; name the output X.amc.exr")
+    _refuse_rank(output, rank)
     table = read_any(source)
     write_any(output, table, rank=rank)
     lost = np.abs(read_any(output).slices - table.slices)[table.valid]
@@ -311,7 +318,7 @@ def matcap(
 
     The ball is found by itself; its disc fills the picture that is written.
     """
-    from litrig.base.camera_model import read_camera_model, sphere_distance_radii
+    from litrig.base.camera_model import read_camera_model
     from litrig.base.pictures import write_picture
     from litrig.base.table_normals import TableNormal
     from processing.amc.geometry import SphereView
@@ -320,15 +327,14 @@ def matcap(
     from processing.amc.undistort import undistortion
     from processing.stack import Stack
 
-    if distance is not None and camera is not None:
-        raise click.UsageError("--distance and --camera both say how far the camera stands; give one")
+    _refuse_two_distances(distance, camera)
     check_output(output, *PICTURES)
     lens = None if camera is None else read_camera_model(camera)
     picture = Stack([photo], undistortion(lens)).linear(0)
     height, width, _ = picture.shape
     ball = find_ball(picture, str(photo)) if circle is None else Circle(*circle).inside((height, width), str(photo))
     if lens is not None:
-        distance = sphere_distance_radii(ball.radius_px, (lens.focal_x_px + lens.focal_y_px) / 2)
+        distance = lens.sphere_distance_radii(ball.radius_px)
     made = matcap_from_photo(picture, ball, SphereView(TableNormal(normal), distance), size)
     write_picture(output, made.colours)
     echo_clipped(output, made.colours)

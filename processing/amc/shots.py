@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from litrig.base.camera_model import CameraModel, sphere_distance_radii
+from litrig.base.camera_model import CameraModel
 from litrig.base.capture_folder.capture import Capture, CapturedFrame, Role
 from litrig.base.errors import InputError
 from litrig.base.progress import Progress, Report
@@ -178,7 +178,7 @@ def _distance(circle: Circle, given: float | None, camera: CameraModel | None, c
     if given is not None:
         return given
     if camera is not None:
-        return sphere_distance_radii(circle.radius_px, (camera.focal_x_px + camera.focal_y_px) / 2)
+        return camera.sphere_distance_radii(circle.radius_px)
     return capture.sphere_distance_radii
 
 

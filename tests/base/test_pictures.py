@@ -89,6 +89,29 @@ def test_a_raw_still_is_linear(tmp_path: Path) -> None:
     np.testing.assert_allclose(picture[20:40, 20:40], 0.1, rtol=0.02)
 
 
+def test_a_radiance_picture_is_linear_and_unbounded(tmp_path: Path) -> None:
+    light = np.zeros((5, 7, 3), np.float32)
+    light[..., 0], light[..., 1], light[..., 2] = 12.0, 0.5, 0.03125
+    cv2.imwrite(str(tmp_path / "a.hdr"), light[..., ::-1])
+    np.testing.assert_allclose(read_linear(tmp_path / "a.hdr"), light, atol=12 / 256)
+    assert read_linear(tmp_path / "a.hdr").max() > 11
+
+
+def test_a_damaged_radiance_picture_is_named(tmp_path: Path) -> None:
+    (tmp_path / "a.hdr").write_bytes(b"#?RADIANCE\n")
+    with pytest.raises(FormatError, match=r"a\.hdr: damaged, or not a Radiance picture"):
+        read_linear(tmp_path / "a.hdr")
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf], ids=str)
+def test_an_exr_with_values_that_are_no_numbers_is_refused(tmp_path: Path, value: float) -> None:
+    light = np.full((4, 4, 3), 0.5, np.float32)
+    light[1, 2, 0] = value
+    write_picture(tmp_path / "a.exr", light)
+    with pytest.raises(FormatError, match=r"a\.exr: 1 pixels hold no finite number"):
+        read_linear(tmp_path / "a.exr")
+
+
 def write_dng(path: Path, mosaic: NDArray[np.uint16]) -> None:
     identity = [1, 1, 0, 1, 0, 1, 0, 1, 1, 1, 0, 1, 0, 1, 0, 1, 1, 1]
     tags = [

@@ -51,9 +51,12 @@ def mend(slices: Slices, shots: Shots, settings: Settings, marks: Mask | None) -
     angles_rad, valid = shots.series.angles_rad, slices.valid
     to_first_rad = float(angles_rad[shots.first] - angles_rad[0])
     turning, still, weakest = np.zeros_like(valid), np.zeros_like(valid), float("inf")
-    if settings.defects == "find" and _changes(slices):
-        found = find_defects(slices.light, angles_rad, valid)
-        turning, still, weakest = tighten(found.turning, slices.light, angles_rad, valid), found.still, found.weakest
+    if settings.defects == "find":
+        noise = noise_variance(slices.light, valid, slices.difference_gain)
+        if _changes(slices, noise):
+            found = find_defects(slices.light, angles_rad, valid)
+            turning = tighten(found.turning, slices.light, angles_rad, valid, noise)
+            still, weakest = found.still, found.weakest
     filled = 0.0
     if turning.any() or still.any() or marks is not None:
         marked = track(turning, angles_rad - angles_rad[0])
@@ -80,9 +83,8 @@ def _fill(slices: Slices, marked: Mask, shots: Shots) -> float:
     return share
 
 
-def _changes(slices: Slices) -> bool:
+def _changes(slices: Slices, noise: float) -> bool:
     """Tell whether anything changes over the turn; where nothing does, nothing sticks to the sample either."""
     light = slices.light[:, slices.valid]
-    noise = noise_variance(slices.light, slices.valid, slices.difference_gain)
     change = float(np.mean(light.var(axis=0)))
     return change > _LEAST_CHANGE * max(noise, 1e-12)

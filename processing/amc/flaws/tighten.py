@@ -10,7 +10,6 @@ from scipy import ndimage
 
 from processing.amc.flaws.fill import fill
 from processing.amc.flaws.sample_frame import track, turn
-from processing.amc.noise import noise_variance
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -25,7 +24,7 @@ _PASSES = ((0.15, 2), (0.03, 0))
 _PEAK_WINDOW = 0.2
 
 
-def tighten(marks: Mask, slices: F32, angles_rad: F64, valid: Mask) -> Mask:
+def tighten(marks: Mask, slices: F32, angles_rad: F64, valid: Mask, noise: float) -> Mask:
     """Keep of marks what disagrees with the rest of the turn.
 
     Parameters
@@ -34,6 +33,7 @@ def tighten(marks: Mask, slices: F32, angles_rad: F64, valid: Mask) -> Mask:
     slices : (N, S, S, 3) float32, linear light
     angles_rad : (N,)
     valid : (S, S) bool
+    noise : variance of a texel's noise, as `noise_variance` has it
 
     Returns
     -------
@@ -42,7 +42,7 @@ def tighten(marks: Mask, slices: F32, angles_rad: F64, valid: Mask) -> Mask:
     step = -(-len(slices) // _MOST_SLICES)
     light, angles_rad = slices[::step], angles_rad[::step]
     turns_rad = angles_rad - angles_rad[0]
-    least = _NOISES * noise_variance(slices, valid) + _LEVEL_SHARE**2 * _mean_square(light, turns_rad)
+    least = _NOISES * noise + _LEVEL_SHARE**2 * _mean_square(light, turns_rad)
     for peak_share, around in _PASSES:
         if not marks.any():
             break
