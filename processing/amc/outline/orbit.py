@@ -121,23 +121,6 @@ def find_outline(stack: Stack, angles_rad: F64, report: Report = silent) -> Outl
     return Outline(circle, _enlarged(orbit, circle, factor))
 
 
-def find_orbit(stack: Stack, angles_rad: F64, circle: Circle, report: Report = silent) -> Orbit:
-    """Estimate the motion of a sphere whose mean silhouette is known.
-
-    Parameters
-    ----------
-    stack : pictures in the order of their turntable angles
-    angles_rad : (N,) turntable angle of each, counter-clockwise as the camera sees it
-    circle : the mean silhouette, or one near it; its radius is kept, and its centre where no motion is significant
-    """
-    turn, picks, factor = load_turn(stack, _MOST_FRAMES, report)
-    limb = Limb(circle.x_px / factor, circle.y_px / factor, circle.radius_px / factor)
-    centres, _, _ = turn.watch(limb)
-    orbit = fit_orbit(centres, np.asarray(angles_rad, np.float64)[picks], limb.radius_px)
-    axis = Circle(orbit.axis_x_px * factor, orbit.axis_y_px * factor, circle.radius_px) if orbit.offset_px else circle
-    return _enlarged(orbit, axis, factor)
-
-
 def fit_orbit(centres_px: F64, angles_rad: F64, radius_px: float) -> Orbit:
     """Fit axis, offset and phase to centres by reweighted least squares (Tukey).
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
 from processing.amc.outline.circle import Circle
-from processing.amc.outline.orbit import Orbit, Outline, find_orbit, find_outline, fit_orbit
+from processing.amc.outline.orbit import Orbit, Outline, find_outline, fit_orbit
 from processing.stack import Stack
 from tests.processing.amc.brushed_sphere import Scene
 
@@ -72,15 +72,6 @@ def test_what_no_orbit_explains_is_called_a_wobble(tmp_path: Path) -> None:
     assert found.orbit.left_over_px == pytest.approx(1.0, abs=0.2)
     assert "wobbles by 1 px" in str(found.orbit.remark()) or "wobbles by 0.9" in str(found.orbit.remark())
     assert as_tuple(found.circle) == pytest.approx(scene.circle, abs=0.3)
-
-
-def test_a_circle_that_is_given_keeps_its_radius(tmp_path: Path) -> None:
-    scene = small(offset_px=2.0, phase_deg=30, background="white")
-    x_px, y_px, radius_px = scene.circle
-    orbit = find_orbit(stack(scene, tmp_path), np.radians(ANGLES_DEG), Circle(x_px + 1, y_px - 1, radius_px + 0.4))
-    assert orbit.radius_px == radius_px + 0.4
-    assert orbit.offset_px == pytest.approx(2.0, abs=0.15)
-    assert (orbit.axis_x_px, orbit.axis_y_px) == pytest.approx((x_px, y_px), abs=0.3)
 
 
 def test_angles_and_pictures_must_be_as_many(tmp_path: Path) -> None:
