@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from firmware_sim.mitsuba.config import Brushing, Invariance, MitsubaScene
 from litrig.base.table_normals import TableNormal
-from processing.ptm.fit import Colour
+from processing.ptm.model import Colour
 from tests.oracle.measure import (
     fabric_verdict,
     perspective_error,

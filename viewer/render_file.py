@@ -15,7 +15,7 @@ from processing.mesh.builtin import builtin_mesh
 from processing.mesh.direction_map import read_directions
 from processing.mesh.fields import painted, turned
 from processing.mesh.model import Mesh
-from processing.ptm.ptm_file import read_ptm
+from processing.ptm.files.ptm_file import read_ptm
 from viewer.renderer import Renderer
 from viewer.save import save_flat, save_rendered
 from viewer.view import View

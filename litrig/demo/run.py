@@ -24,8 +24,8 @@ from litrig.simulated import render_ahead
 from processing.amc.build import build
 from processing.amc.files.ktx2 import read_amc, write_amc
 from processing.amc.settings import Settings
+from processing.ptm.files.ptm_file import read_ptm, write_ptm
 from processing.ptm.fit import fit
-from processing.ptm.ptm_file import read_ptm, write_ptm
 from processing.ptm.quality import fit_quality
 from processing.stack import Stack
 from rig.config import read_rig

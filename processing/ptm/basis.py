@@ -1,68 +1,117 @@
-"""The six terms of a polynomial texture map, and whether lights can tell them apart."""
+"""The functions of the light's direction that a pixel's brightness is a sum of."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from litrig.base.errors import InputError
-
 F64 = NDArray[np.float64]
 
-TERMS = 6
-_LARGEST_CONDITION = 1e3
-_SAME_LIGHT = 1e-3
+Kind = Literal["ptm", "hsh"]
+# Lights on the horizon have no azimuth left in the half-sphere's functions; the field keeps this far away from it.
+_LOWEST_RAD = 0.01
+_DISC_NODES, _DISC_ANGLES = 24, 48
 
 
-def design_matrix(light_dirs: NDArray[np.floating]) -> F64:
-    """Evaluate the terms u², v², uv, u, v, 1 (Synthesis and Rendering of 3D Textures, equation 8).
+@dataclass(frozen=True)
+class Basis:
+    """A family of functions and how many of them are used.
 
-    Parameters
+    Attributes
     ----------
-    light_dirs : (N, 2) or (N, 3), unit, view frame, sample to light; (u, v) are its x and y
-
-    Returns
-    -------
-    design : (N, 6) float64
+    kind : "ptm", polynomials of (u, v) (Synthesis and Rendering of 3D Textures, equation 8): with 6 terms
+        u², v², uv, u, v, 1; with 3 terms u, v, 1. "hsh", the hemispherical harmonics of degree 0 to 3, orthonormal over
+        the half-sphere, in the order of the `.rti` format: by degree, and in each from cos mφ over m = 0 to sin mφ
+    terms : 3 or 6 of "ptm"; 4, 9 or 16 of "hsh"
     """
-    u, v = np.asarray(light_dirs, np.float64)[:, :2].T
-    return np.stack([u * u, v * v, u * v, u, v, np.ones_like(u)], axis=1)
+
+    kind: Kind
+    terms: int
+
+    def __post_init__(self) -> None:
+        if self.terms not in TERMS[self.kind]:
+            raise ValueError(f"a basis {self.kind} has {' or '.join(map(str, TERMS[self.kind]))} terms")
+
+    def __str__(self) -> str:
+        return f"{self.kind.upper()} of {self.terms} terms"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What each term is called."""
+        if self.kind == "ptm":
+            return ("u2", "v2", "uv", "u", "v", "1")[6 - self.terms :]
+        return tuple(f"h{index}" for index in range(self.terms))
+
+    def evaluate(self, light_dirs: NDArray[np.floating]) -> F64:
+        """Evaluate the terms.
+
+        Parameters
+        ----------
+        light_dirs : (..., 2) or (..., 3), unit, view frame, sample to light; two numbers are its x and y
+
+        Returns
+        -------
+        values : (..., terms) float64
+        """
+        directions = np.asarray(light_dirs, np.float64)
+        return self._polynomials(directions) if self.kind == "ptm" else self._harmonics(directions)
+
+    @cached_property
+    def gram(self) -> F64:
+        """Mean (terms, terms) of the products of the terms, over lights spread evenly over the unit disc of (u, v)."""
+        radius, weight = np.polynomial.legendre.leggauss(_DISC_NODES)
+        angle = 2 * np.pi * np.arange(_DISC_ANGLES) / _DISC_ANGLES
+        r = (radius[:, None] + 1) / 2
+        values = self.evaluate(np.stack([r * np.cos(angle), r * np.sin(angle)], axis=-1))
+        return np.asarray(np.einsum("ra,rat,ras->ts", weight[:, None] * r / _DISC_ANGLES, values, values), np.float64)
+
+    def _polynomials(self, directions: F64) -> F64:
+        u, v = directions[..., 0], directions[..., 1]
+        return np.stack([u * u, v * v, u * v, u, v, np.ones_like(u)], axis=-1)[..., 6 - self.terms :]
+
+    def _harmonics(self, directions: F64) -> F64:
+        x, y = directions[..., 0], directions[..., 1]
+        z = directions[..., 2] if directions.shape[-1] == 3 else np.sqrt(np.maximum(1 - x * x - y * y, 0))
+        c = np.cos(np.minimum(np.arccos(np.clip(z, -1, 1)), np.pi / 2 - _LOWEST_RAD))
+        phi = np.arctan2(y, x)
+        s = c - c * c
+        q = np.sqrt(s)
+        one, two = np.sqrt(6 / np.pi) * q, np.sqrt(30 / np.pi)
+        values = [
+            np.full_like(c, 1 / np.sqrt(2 * np.pi)),
+            one * np.cos(phi),
+            np.sqrt(3 / (2 * np.pi)) * (2 * c - 1),
+            one * np.sin(phi),
+        ]
+        if self.terms > 4:
+            mixed = two * (2 * c - 1) * q
+            values += [
+                -two * s * np.cos(2 * phi),
+                mixed * np.cos(phi),
+                np.sqrt(5 / (2 * np.pi)) * (1 - 6 * s),
+                mixed * np.sin(phi),
+                -two * s * np.sin(2 * phi),
+            ]
+        if self.terms > 9:
+            outer = np.sqrt(140 / np.pi) * s * q
+            middle = -np.sqrt(210 / np.pi) * (2 * c - 1) * s
+            inner = np.sqrt(84 / np.pi) * q * (1 - 5 * s)
+            values += [
+                outer * np.cos(3 * phi),
+                middle * np.cos(2 * phi),
+                inner * np.cos(phi),
+                np.sqrt(7 / (2 * np.pi)) * (20 * c**3 - 30 * c**2 + 12 * c - 1),
+                inner * np.sin(phi),
+                middle * np.sin(2 * phi),
+                outer * np.sin(3 * phi),
+            ]
+        return np.stack(values, axis=-1)
 
 
-def fitting_matrix(light_dirs: NDArray[np.floating]) -> F64:
-    """Return the pseudo-inverse (6, N) of the design matrix: coefficients = fitting matrix · values.
+TERMS: dict[Kind, tuple[int, ...]] = {"ptm": (6, 3), "hsh": (9, 4, 16)}
+"""How many terms a kind may have, the usual number first."""
 
-    Raises
-    ------
-    InputError
-        The lights cannot carry six terms: too few, all alike, all in one plane, or one ring of elevation, on which
-        u² + v² is the constant term again.
-    """
-    directions: F64 = np.asarray(light_dirs, np.float64)
-    design = design_matrix(directions)
-    if not np.all(np.isfinite(design)):
-        raise InputError("a light direction is not a number; measure the lights again")
-    distinct = len(np.unique(np.round(directions[:, :2] / _SAME_LIGHT).astype(np.int64), axis=0))
-    if distinct < TERMS:
-        raise InputError(
-            f"{len(directions)} lights from {distinct} directions cannot carry the {TERMS} terms of a PTM; "
-            f"capture at least {TERMS}, better 30, spread over the dome"
-        )
-    values = np.linalg.svd(design, compute_uv=False)
-    condition = values[0] / max(values[-1], 1e-300)
-    if not condition <= _LARGEST_CONDITION:
-        raise InputError(
-            f"{_describe(directions)}; the fit would raise noise {condition:.0e} times. Capture lights at several "
-            "azimuths and at two elevations or more"
-        )
-    return np.asarray(np.linalg.pinv(design), np.float64)
-
-
-def _describe(light_dirs: F64) -> str:
-    """Say what is wrong with lights that cannot tell six terms apart."""
-    flat = light_dirs[:, :2]
-    radii = np.hypot(*flat.T)
-    if np.ptp(radii) < 0.05:
-        elevation_deg = float(np.degrees(np.arccos(np.clip(radii.mean(), 0, 1))))
-        return f"all lights stand on one ring, {elevation_deg:.0f} deg above the sample"
-    if np.linalg.svd(flat - flat.mean(axis=0), compute_uv=False)[1] < 0.05 * np.sqrt(len(flat)):
-        return "all lights stand in one line"
-    return "the lights lie on one curve of second degree (as a ring or a cross does)"
+PTM = Basis("ptm", 6)
+"""The polynomial that `.ptm` files hold."""

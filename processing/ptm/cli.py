@@ -48,8 +48,8 @@ def fit(
     the object to the light, x to the right, y up, z to the camera.
     """
     from litrig.base.console import reporting
+    from processing.ptm.files.ptm_file import write_ptm
     from processing.ptm.fit import fit as fit_ptm
-    from processing.ptm.ptm_file import write_ptm
     from processing.ptm.quality import fit_quality
     from processing.stack import Stack
 
@@ -70,11 +70,10 @@ def fit(
 @JSON
 def ptm_info(file: Path, as_json: bool) -> None:
     """Say what a polynomial texture map holds."""
-    from processing.ptm.ptm_file import read_ptm
+    from processing.ptm.files.ptm_file import read_ptm
 
     material = read_ptm(file)
     _, height, width, _ = material.coefficients.shape
-    names = ("u2", "v2", "uv", "u", "v", "1")
     echo_facts(
         {
             "width": width,
@@ -83,7 +82,7 @@ def ptm_info(file: Path, as_json: bool) -> None:
             "space": material.space,
             "coefficients": {
                 name: (round(float(term.min()), 6), round(float(term.max()), 6))
-                for name, term in zip(names, material.coefficients, strict=True)
+                for name, term in zip(material.basis.names, material.coefficients, strict=True)
             },
             "source": material.source,
         },
@@ -107,7 +106,7 @@ def relight(file: Path, light: tuple[float, float], output: Path) -> None:
     from litrig.base.errors import InputError
     from litrig.base.pictures import write_codes, write_picture
     from litrig.base.radiometry import decode_srgb, to_u8
-    from processing.ptm.ptm_file import read_ptm
+    from processing.ptm.files.ptm_file import read_ptm
     from processing.ptm.relight import relight as evaluate
 
     if not light[0] ** 2 + light[1] ** 2 <= 1:

@@ -1,20 +1,18 @@
 """Fitting a polynomial texture map: least squares a pixel, one pass over the frames, no stack in memory."""
 
-from typing import Literal
-
 import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
 from litrig.base.progress import Progress, Report, silent
-from processing.ptm.basis import TERMS, design_matrix, fitting_matrix
-from processing.ptm.model import Ptm, Space
+from processing.ptm.basis import PTM
+from processing.ptm.conditioning import fitting_matrix
+from processing.ptm.model import Colour, Ptm, Space
 from processing.stack import Stack
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
-Colour = Literal["lrgb", "rgb"]
-
+TERMS = PTM.terms
 _ROUNDS = 3
 
 
@@ -45,7 +43,7 @@ def fit(
     if len(light_dirs) != len(stack):
         raise InputError(f"{stack.paths[0].parent}: {len(stack)} pictures but {len(light_dirs)} lights; mend the .lp")
     _check_above_horizon(stack, light_dirs)
-    solver = fitting_matrix(light_dirs).astype(np.float32)
+    solver = fitting_matrix(PTM, light_dirs).astype(np.float32)
     coefficients = np.zeros((TERMS, *stack.shape, 3), np.float32)
     for index in range(len(stack)):
         picture = stack.frame(index, space)
@@ -54,7 +52,7 @@ def fit(
         report(Progress("fitting", index + 1, len(stack), stack.paths[index].name))
     if colour == "rgb":
         return Ptm(coefficients, None, space, source)
-    design = design_matrix(light_dirs)
+    design = PTM.evaluate(light_dirs)
     return Ptm(*_split_in_strips(coefficients, design.T @ design / len(design)), space, source)
 
 

@@ -1,28 +1,100 @@
-"""A polynomial texture map in memory."""
+"""A polynomial texture map, or its kin in another basis."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from processing.ptm.basis import PTM, Basis
+
+F32 = NDArray[np.float32]
 Space = Literal["srgb", "linear"]
+Colour = Literal["lrgb", "rgb"]
 
 
 @dataclass(frozen=True)
 class Ptm:
-    """Six coefficients a pixel, so that any light direction gives a picture (Texture paper, equation 8).
+    """A few coefficients a pixel, so that any light direction gives a picture (Texture paper, equation 8).
 
     Attributes
     ----------
-    coefficients : (6, H, W, C) float32, order u², v², uv, u, v, 1, in units where 1 is white; row 0 on top.
-        C = 3 in an RGB PTM. C = 1 in an LRGB PTM, where the polynomial is luminance alone
-    colour : (H, W, 3) float32, the factor of the luminance in an LRGB PTM; None in an RGB PTM
+    coefficients : (T, H, W, C) float32, one for each term of the basis, in units where 1 is white; row 0 on top.
+        C = 3 where each channel has its own (RGB). C = 1 where they give the luminance alone (LRGB)
+    colour : (H, W, 3) float32, the factor of the luminance in an LRGB material; None in an RGB one
     space : "srgb" if the fitted values were display-encoded (the field's habit), "linear" if they were light
     source : digest of the frames that it was fitted to
+    basis : what the coefficients belong to
     """
 
-    coefficients: NDArray[np.float32]
-    colour: NDArray[np.float32] | None
+    coefficients: F32
+    colour: F32 | None
     space: Space = "srgb"
     source: str = ""
+    basis: Basis = PTM
+
+    def __post_init__(self) -> None:
+        if len(self.coefficients) != self.basis.terms:
+            raise ValueError(f"{len(self.coefficients)} coefficients a pixel do not make a {self.basis}")
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width."""
+        _, height, width, _ = self.coefficients.shape
+        return height, width
+
+    @property
+    def kind(self) -> Colour:
+        """Whether colour and luminance are apart."""
+        return "rgb" if self.colour is None else "lrgb"
+
+    def strip(self, rows: slice) -> "Strip":
+        """Return some rows."""
+        return Strip(self.coefficients[:, rows], None if self.colour is None else self.colour[rows])
+
+    def sample(self, count: int) -> "Strip":
+        """Return about so many pixels from all over, as one row."""
+        columns = np.linspace(0, self.shape[0] * self.shape[1] - 1, count).astype(np.int64)
+        terms, channels = self.coefficients.shape[0], self.coefficients.shape[3]
+        coefficients = self.coefficients.reshape(terms, 1, -1, channels)[:, :, columns]
+        return Strip(coefficients, None if self.colour is None else self.colour.reshape(1, -1, 3)[:, columns])
+
+
+class Strip(NamedTuple):
+    """Some rows of a material: `coefficients` (T, h, W, C) and `colour` (h, W, 3) or None, as in `Ptm`."""
+
+    coefficients: F32
+    colour: F32 | None
+
+
+class Material(Protocol):
+    """What can be written to a file: a `Ptm`, or a fit whose coefficients come into being row by row.
+
+    A fit of pictures that are larger than memory is never held whole; a writer takes it a strip at a time.
+    """
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width."""
+
+    @property
+    def kind(self) -> Colour:
+        """Whether colour and luminance are apart."""
+
+    @property
+    def space(self) -> Space:
+        """Which values were fitted."""
+
+    @property
+    def source(self) -> str:
+        """Digest of the frames."""
+
+    @property
+    def basis(self) -> Basis:
+        """What the coefficients belong to."""
+
+    def strip(self, rows: slice) -> Strip:
+        """Return some rows; may be called from several threads, in any order, and again."""
+
+    def sample(self, count: int) -> Strip:
+        """Return about so many pixels from all over, as one row."""

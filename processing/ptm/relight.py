@@ -1,16 +1,15 @@
-"""A picture of a polynomial texture map under a light: the NumPy truth that shaders are tested against."""
+"""A picture of a material under a light: the NumPy truth that shaders are tested against."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from processing.ptm.basis import design_matrix
 from processing.ptm.model import Ptm
 
 F32 = NDArray[np.float32]
 
 
 def relight(ptm: Ptm, light: NDArray[np.floating]) -> F32:
-    """Evaluate the polynomials at one light (Synthesis and Rendering of 3D Textures, equation 8).
+    """Evaluate a material at one light (Synthesis and Rendering of 3D Textures, equation 8).
 
     Parameters
     ----------
@@ -18,8 +17,8 @@ def relight(ptm: Ptm, light: NDArray[np.floating]) -> F32:
 
     Returns
     -------
-    picture : (H, W, 3) float32 in the PTM's own space; a polynomial may leave 0..1, and nothing is cut off here
+    picture : (H, W, 3) float32 in the material's own space; it may leave 0..1, and nothing is cut off here
     """
-    terms = design_matrix(np.asarray(light)[None])[0].astype(np.float32)
+    terms = ptm.basis.evaluate(light).astype(np.float32)
     values: F32 = np.tensordot(terms, ptm.coefficients, axes=1)
     return values if ptm.colour is None else values * ptm.colour

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from firmware_sim.mitsuba.config import Brushing, Invariance, MitsubaScene
 from litrig.base.table_normals import TableNormal
 from processing.amc.build import AmcResult
-from processing.ptm.fit import Colour, fit
-from processing.ptm.ptm_file import read_ptm, write_ptm
+from processing.ptm.files.ptm_file import read_ptm, write_ptm
+from processing.ptm.fit import fit
+from processing.ptm.model import Colour
 from processing.ptm.relight import relight
 from processing.stack import Stack
 from tests.oracle.compare import amc_psnr_db, psnr_db, relative_rmse, trusted

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from processing.ptm.fit import Colour
+from processing.ptm.model import Colour
 from tests.oracle.measure import ptm_fit
 from tests.oracle.shoot import RELIEF, Studio
 

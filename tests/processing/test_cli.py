@@ -12,7 +12,7 @@ from litrig.base.pictures import read_codes, read_linear, write_codes, write_pic
 from processing.amc.cli import amc
 from processing.amc.files.ktx2 import read_amc
 from processing.ptm.cli import ptm
-from processing.ptm.ptm_file import read_ptm
+from processing.ptm.files.ptm_file import read_ptm
 from processing.ptm.relight import relight
 from tests.processing.amc.brushed_sphere import Scene, true_table
 from tests.processing.ptm.relief import dome, write_relief

@@ -16,8 +16,8 @@ from litrig.base.radiometry import to_u8
 from processing.amc.files.ktx2 import read_amc, write_amc
 from processing.amc.isotropic import isotropic_matcap
 from processing.amc.model import Amc
+from processing.ptm.files.ptm_file import read_ptm, write_ptm
 from processing.ptm.model import Ptm
-from processing.ptm.ptm_file import read_ptm, write_ptm
 from processing.ptm.relight import relight
 from tests.viewer.analytic import brushed_amc
 from viewer.cli import render

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
 from litrig.base.progress import Progress
-from processing.ptm.fit import Colour, fit, split_colour
-from processing.ptm.model import Space
+from processing.ptm.fit import fit, split_colour
+from processing.ptm.model import Colour, Space
 from processing.ptm.quality import fit_quality
 from processing.ptm.relight import relight
 from processing.stack import Stack

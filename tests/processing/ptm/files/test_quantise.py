@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as nps
 
 from litrig.base.errors import InputError
-from processing.ptm.balance import balance
-from processing.ptm.quantise import ScaleBias, scale_bias
+from processing.ptm.files.balance import balance
+from processing.ptm.files.quantise import ScaleBias, scale_bias
 
 BOUNDS = st.floats(-1e6, 1e6)
 

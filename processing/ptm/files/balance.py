@@ -8,8 +8,8 @@ by it, and the p with the least error is taken.
 import numpy as np
 from numpy.typing import NDArray
 
-from processing.ptm.basis import TERMS
-from processing.ptm.quantise import ScaleBias, scale_bias
+from processing.ptm.basis import PTM
+from processing.ptm.files.quantise import ScaleBias, scale_bias
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -17,17 +17,6 @@ F64 = NDArray[np.float64]
 _POWERS = (0.0, 0.25, 0.5, 0.75, 1.0)
 _SAMPLES = 40_000
 _FAINTEST = 1e-3
-# Mean of design·designᵀ over lights spread evenly over the unit disc.
-_DISC_GRAM = np.array(
-    [
-        [1 / 8, 1 / 24, 0, 0, 0, 1 / 4],
-        [1 / 24, 1 / 8, 0, 0, 0, 1 / 4],
-        [0, 0, 1 / 24, 0, 0, 0],
-        [0, 0, 0, 1 / 4, 0, 0],
-        [0, 0, 0, 0, 1 / 4, 0],
-        [1 / 4, 1 / 4, 0, 0, 0, 1],
-    ]
-)
 
 
 def balance(luminance: F32, colour: F32) -> tuple[F32, F32]:
@@ -42,7 +31,7 @@ def balance(luminance: F32, colour: F32) -> tuple[F32, F32]:
     luminance, colour : the same product, colour in 0..1 with 1 reached
     """
     stride = max(1, luminance[0].size // _SAMPLES)
-    some_luminance = luminance.reshape(TERMS, -1)[:, ::stride].astype(np.float64)
+    some_luminance = luminance.reshape(PTM.terms, -1)[:, ::stride].astype(np.float64)
     some_colour = colour.reshape(-1, 3)[::stride].astype(np.float64)
     errors = [_squared_error(some_luminance, some_colour, power) for power in _POWERS]
     factor, largest = _factor(luminance[..., 0], colour, _POWERS[int(np.argmin(errors))])
@@ -58,7 +47,7 @@ def _squared_error(luminance: F64, colour: F64, power: float) -> float:
     stored = np.stack([_through(step, term) for step, term in zip(steps, scaled, strict=True)])
     codes = np.rint(shared * 255) / 255
     lost = stored[:, :, None] * codes - luminance[:, :, None] * colour
-    return float(np.einsum("tpc,ts,spc->", lost, _DISC_GRAM, lost))
+    return float(np.einsum("tpc,ts,spc->", lost, PTM.gram, lost))
 
 
 def _through(step: ScaleBias, term: F64) -> F64:

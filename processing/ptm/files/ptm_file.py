@@ -21,14 +21,15 @@ from numpy.typing import NDArray
 from litrig.base.errors import FormatError, InputError
 from litrig.base.files import write_atomically
 from litrig.base.version import litrig_version
-from processing.ptm.balance import balance
-from processing.ptm.basis import TERMS
+from processing.ptm.basis import PTM
+from processing.ptm.files.balance import balance
+from processing.ptm.files.quantise import ScaleBias, scale_bias
 from processing.ptm.model import Ptm, Space
-from processing.ptm.quantise import ScaleBias, scale_bias
 
 F32 = NDArray[np.float32]
 U8 = NDArray[np.uint8]
 
+TERMS = PTM.terms
 LARGEST_PIXELS = 400_000_000
 _HEADER_BYTES = 4096
 _NUMBER, _WHOLE = rb"\s+([-+]?[\d.]+(?:[eE][-+]?\d+)?)", rb"\s+([-+]?\d+)(?:\.0*)?"
