@@ -108,6 +108,23 @@ class Stack:
         """
         return self.corrected(self._checked(index, read_linear(self.paths[index])))
 
+    def stored(self, index: int, into: Codes | F32 | None = None) -> Codes | F32:
+        """Read one picture as it is kept in its file: codes (H, W, 3) of 8 or 16 bits, or linear float32.
+
+        Parameters
+        ----------
+        into : where the picture may be put if it is as large and of that kind; what is returned tells
+
+        Raises
+        ------
+        InputError, FormatError
+            As `linear`.
+        """
+        path = self.paths[index]
+        if self._correct is not None or path.suffix.lower() not in DISPLAY_ENDINGS:
+            return self.linear(index)
+        return self._checked(index, read_codes(path, into if into is not None and into.dtype == np.uint8 else None))
+
     def corrected(self, picture: F32) -> F32:
         """Do to any picture (H, W, 3) of linear light what is done to those of the stack."""
         return picture if self._correct is None else self._correct(picture)

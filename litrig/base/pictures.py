@@ -66,9 +66,17 @@ def read_encoded(path: Path) -> F32:
     return encode_srgb(read_linear(path))
 
 
-def read_codes(path: Path) -> Codes:
-    """Read the stored integers of a JPEG, PNG or TIFF, (H, W, 3) uint8 or uint16, RGB."""
-    return decode_codes(_read_bytes(path), path.suffix.lower(), str(path))
+def read_codes(path: Path, into: NDArray[Any] | None = None) -> Codes:
+    """Read the stored integers of a JPEG, PNG or TIFF, (H, W, 3) uint8 or uint16, RGB.
+
+    Parameters
+    ----------
+    into : (H·W·3,) uint8; a JPEG of that very size is decoded there, and what is returned is a view of it
+    """
+    content = _read_bytes(path)
+    if into is not None and path.suffix.lower() in JPEG_ENDINGS:
+        return decode_jpeg(content, str(path), into)
+    return decode_codes(content, path.suffix.lower(), str(path))
 
 
 def decode_codes(content: bytes, ending: str, source: str) -> Codes:
@@ -94,8 +102,12 @@ def decode_codes(content: bytes, ending: str, source: str) -> Codes:
     return cv2.cvtColor(codes, cv2.COLOR_BGR2RGB)  # type: ignore[return-value]  # dtype checked above
 
 
-def decode_jpeg(content: bytes, source: str) -> U8:
+def decode_jpeg(content: bytes, source: str, into: NDArray[Any] | None = None) -> U8:
     """Decode a whole JPEG to (H, W, 3) uint8 RGB; `source` names it in errors.
+
+    Parameters
+    ----------
+    into : (H·W·3,) uint8, taken for the result if the picture has that very size
 
     Raises
     ------
@@ -105,7 +117,8 @@ def decode_jpeg(content: bytes, source: str) -> U8:
     try:
         height, width, _, _ = simplejpeg.decode_jpeg_header(content)
         _refuse_bomb(source, int(height), int(width))
-        codes: U8 = simplejpeg.decode_jpeg(content, "RGB")
+        fits = into is not None and into.size == height * width * 3
+        codes: U8 = simplejpeg.decode_jpeg(content, "RGB", buffer=into if fits else None)
     except ValueError as error:
         raise FormatError(f"{source}: damaged JPEG ({error}); copy or shoot it again") from error
     return codes

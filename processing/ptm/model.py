@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from processing.ptm.basis import PTM, Basis
 
 F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
 Space = Literal["srgb", "linear"]
 Colour = Literal["lrgb", "rgb"]
 
@@ -25,6 +26,7 @@ class Ptm:
     space : "srgb" if the fitted values were display-encoded (the field's habit), "linear" if they were light
     source : digest of the frames that it was fitted to
     basis : what the coefficients belong to
+    light_gram : (T, T) mean of the products of the terms over the lights of the fit; None where they are not known
     """
 
     coefficients: F32
@@ -32,6 +34,7 @@ class Ptm:
     space: Space = "srgb"
     source: str = ""
     basis: Basis = PTM
+    light_gram: F64 | None = None
 
     def __post_init__(self) -> None:
         if len(self.coefficients) != self.basis.terms:
@@ -47,6 +50,11 @@ class Ptm:
     def kind(self) -> Colour:
         """Whether colour and luminance are apart."""
         return "rgb" if self.colour is None else "lrgb"
+
+    @property
+    def gram(self) -> F64:
+        """What an error in one coefficient costs beside one in another: in the mean over the lights, or over all."""
+        return self.basis.gram if self.light_gram is None else self.light_gram
 
     def strip(self, rows: slice) -> "Strip":
         """Return some rows."""
@@ -92,6 +100,10 @@ class Material(Protocol):
     @property
     def basis(self) -> Basis:
         """What the coefficients belong to."""
+
+    @property
+    def gram(self) -> F64:
+        """What an error in one coefficient costs beside one in another, (T, T)."""
 
     def strip(self, rows: slice) -> Strip:
         """Return some rows; may be called from several threads, in any order, and again."""

@@ -1,62 +1,96 @@
-"""Sharing brightness between luminance and colour of an LRGB PTM so that eight bits of both lose least.
+"""Luminance and colour of an LRGB material in eight bits each.
 
 Only their product counts. With all brightness in the luminance, one bright pixel sets the step for all; with all of it
-in the colour, dark pixels have few codes for it. In between, luminance is divided by amplitude^p and colour multiplied
-by it, and the p with the least error is taken.
+in the colour, dark pixels have few codes for it. In between, the colour takes amplitude^p of each pixel's brightness,
+and the p with the least error is taken. The colour is rounded first, and the luminance is then the best one for it.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from processing.ptm.basis import PTM
-from processing.ptm.files.quantise import ScaleBias, scale_bias
+from processing.ptm.files.rounding import Rounding, choose_rounding
+from processing.ptm.model import Strip
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
+U8 = NDArray[np.uint8]
 
 _POWERS = (0.0, 0.25, 0.5, 0.75, 1.0)
-_SAMPLES = 40_000
 _FAINTEST = 1e-3
 
 
-def balance(luminance: F32, colour: F32) -> tuple[F32, F32]:
-    """Choose the split.
+@dataclass(frozen=True)
+class Balance:
+    """How brightness is shared, and how both shares are rounded.
+
+    Attributes
+    ----------
+    power : the exponent p
+    scale : what colours are multiplied by, so that the brightest reaches the last code
+    rounding : of the luminance
+    """
+
+    power: float
+    scale: float
+    rounding: Rounding
+
+    def encode(self, strip: Strip) -> tuple[U8, U8]:
+        """Round luminance (T, h, W, 1) and colour (h, W, 3) to codes (T, h, W) and (h, W, 3)."""
+        assert strip.colour is not None  # noqa: S101  # for the type checker: LRGB it is
+        codes = _colour_codes(strip.coefficients[..., 0], strip.colour, self.power, self.scale)
+        return self.rounding.encode(_best_luminance(strip.coefficients[..., 0], strip.colour, codes)), codes
+
+    def decode(self, luminance: U8, colour: U8) -> Strip:
+        """Turn codes into what a reader of the file gets."""
+        return Strip(self.rounding.decode(luminance)[..., None], colour.astype(np.float32) / np.float32(255))
+
+
+def choose_balance(sample: Strip, gram: F64) -> Balance:
+    """Choose the exponent and the steps with which a sample loses least in the mean over lights.
 
     Parameters
     ----------
-    luminance : (6, H, W, 1), and colour : (H, W, 3), of any split
-
-    Returns
-    -------
-    luminance, colour : the same product, colour in 0..1 with 1 reached
+    sample : luminance and colour of some pixels
+    gram : (T, T) mean of the products of the terms over lights
     """
-    stride = max(1, luminance[0].size // _SAMPLES)
-    some_luminance = luminance.reshape(PTM.terms, -1)[:, ::stride].astype(np.float64)
-    some_colour = colour.reshape(-1, 3)[::stride].astype(np.float64)
-    errors = [_squared_error(some_luminance, some_colour, power) for power in _POWERS]
-    factor, largest = _factor(luminance[..., 0], colour, _POWERS[int(np.argmin(errors))])
-    shared = (colour * factor[..., None]).astype(np.float32)
-    return (luminance / factor[..., None] * largest).astype(np.float32), np.minimum(shared / largest, 1)
+    assert sample.colour is not None  # noqa: S101  # for the type checker: LRGB it is
+    return min((_try(sample, sample.colour, gram, power) for power in _POWERS), key=lambda tried: tried[0])[1]
 
 
-def _squared_error(luminance: F64, colour: F64, power: float) -> float:
-    """Mean squared error over lights, pixels and channels after both went through eight bits."""
-    factor, largest = _factor(luminance, colour, power)
-    scaled, shared = luminance / factor * largest, colour * factor[..., None] / largest
-    steps = [scale_bias(float(term.min()), float(term.max())) for term in scaled]
-    stored = np.stack([_through(step, term) for step, term in zip(steps, scaled, strict=True)])
-    codes = np.rint(shared * 255) / 255
-    lost = stored[:, :, None] * codes - luminance[:, :, None] * colour
-    return float(np.einsum("tpc,ts,spc->", lost, PTM.gram, lost))
+def _try(sample: Strip, colour: F32, gram: F64, power: float) -> tuple[float, Balance]:
+    luminance = sample.coefficients[..., 0]
+    shared = colour * _factor(luminance, power)[..., None]
+    scale = 255 / max(float(shared.max()), 1e-30)
+    codes = _colour_codes(luminance, colour, power, scale)
+    best = _best_luminance(luminance, colour, codes).reshape(len(luminance), -1)
+    weights = np.sum((codes.reshape(-1, 3) / np.float32(255)) ** 2, axis=-1)
+    balance = Balance(power, scale, choose_rounding(best, gram, weights))
+    stored = balance.decode(*balance.encode(sample))
+    lost = (stored.coefficients * (stored.colour if stored.colour is not None else 1)) - sample.coefficients * colour
+    flat = lost.reshape(len(lost), -1).astype(np.float64)
+    return float(np.sum(flat * (gram @ flat))), balance
 
 
-def _through(step: ScaleBias, term: F64) -> F64:
-    return step.scale * (np.rint(term / step.scale + step.bias) - step.bias)
+def _factor(luminance: F32, power: float) -> F32:
+    """Return amplitude^p of each pixel; what is all but black counts as a little brighter."""
+    if power == 0:
+        return np.ones(luminance.shape[1:], np.float32)
+    amplitude = np.maximum(np.abs(luminance).max(axis=0), np.float32(_FAINTEST))
+    factor: F32 = amplitude if power == 1 else amplitude ** np.float32(power)
+    return factor
 
 
-def _factor(luminance: NDArray[np.floating], colour: NDArray[np.floating], power: float) -> tuple[F64, float]:
-    """Return by what each pixel's luminance is divided, and the largest colour that this gives."""
-    amplitude = np.abs(luminance).max(axis=0).astype(np.float64)
-    brightest = max(float(amplitude.max()), 1e-30)
-    factor = np.maximum(amplitude / brightest, _FAINTEST) ** power
-    return factor, max(float((colour * factor[..., None]).max()), 1e-30)
+def _colour_codes(luminance: F32, colour: F32, power: float, scale: float) -> U8:
+    shared = colour * (np.float32(scale) * _factor(luminance, power))[..., None]
+    return np.minimum(shared + np.float32(0.5), np.float32(255)).astype(np.uint8)
+
+
+def _best_luminance(luminance: F32, colour: F32, codes: U8) -> F32:
+    """Return the luminance that with a rounded colour comes nearest to what luminance and colour were together."""
+    rounded = codes.astype(np.float32) / np.float32(255)
+    square = np.einsum("...c,...c->...", rounded, rounded)
+    share = np.einsum("...c,...c->...", colour, rounded) / np.where(square > 0, square, 1)
+    best: F32 = luminance * share
+    return best

@@ -11,7 +11,10 @@ line of JSON. A file without it holds display values, as the field has it, and n
 """
 
 import json
+import os
 import re
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, cast, get_args
 
@@ -19,12 +22,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.errors import FormatError, InputError
-from litrig.base.files import write_atomically
+from litrig.base.files import replacing
+from litrig.base.progress import Progress, Report, silent
 from litrig.base.version import litrig_version
 from processing.ptm.basis import PTM
-from processing.ptm.files.balance import balance
-from processing.ptm.files.quantise import ScaleBias, scale_bias
-from processing.ptm.model import Ptm, Space
+from processing.ptm.files.balance import Balance, choose_balance
+from processing.ptm.files.quantise import ScaleBias
+from processing.ptm.files.rounding import Rounding, choose_rounding
+from processing.ptm.model import Colour, Material, Ptm, Space, Strip
 
 F32 = NDArray[np.float32]
 U8 = NDArray[np.uint8]
@@ -40,6 +45,10 @@ _TRAILER = b"\n#litrig "
 _LARGEST_SCALE, _LARGEST_BIAS = 1e9, 1_000_000
 # PTMfitter leaves a byte after the pixels.
 _SPARE_BYTES = 2
+_STRIP_PIXELS = 16_384
+_SAMPLES = 20_000
+_AT_ONCE = min(4, os.cpu_count() or 1)
+_FORMATS: dict[Colour, str] = {"rgb": "PTM_FORMAT_RGB", "lrgb": "PTM_FORMAT_LRGB"}
 _BYTES_PER_PIXEL = {"PTM_FORMAT_RGB": 3 * TERMS, "PTM_FORMAT_LRGB": TERMS + 3}
 
 
@@ -56,26 +65,87 @@ class _Header(NamedTuple):
         return self.width * self.height * _BYTES_PER_PIXEL[self.format]
 
 
-def write_ptm(path: Path, ptm: Ptm) -> None:
-    """Write a PTM_1.2 file, RGB or LRGB as the PTM is; it is whole or not there.
+@dataclass(frozen=True)
+class PtmCodes:
+    """How a material becomes bytes: the rounding of its coefficients, and how LRGB shares brightness with colour."""
+
+    rounding: Rounding
+    balance: Balance | None = None
+
+    @property
+    def steps(self) -> tuple[ScaleBias, ...]:
+        """Scale and bias of each term, as the header holds them."""
+        return tuple(ScaleBias(float(f"{step.scale * 255:.8g}"), step.bias) for step in self.rounding.steps)
+
+    def blocks(self, strip: Strip) -> list[U8]:
+        """Return the blocks of the file for some rows, (h, W, bytes) each: six codes a pixel, or three of colour."""
+        if self.balance is None:
+            codes = self.rounding.encode(strip.coefficients)
+            return [np.moveaxis(codes[..., channel], 0, -1) for channel in range(codes.shape[-1])]
+        luminance, colour = self.balance.encode(strip)
+        return [np.moveaxis(luminance, 0, -1), colour]
+
+    def stored(self, strip: Strip) -> Strip:
+        """Return what a reader of the file gets."""
+        if self.balance is None:
+            return Strip(self.rounding.decode(self.rounding.encode(strip.coefficients)), None)
+        return self.balance.decode(*self.balance.encode(strip))
+
+
+def write_ptm(path: Path, material: Material, codes: PtmCodes | None = None, report: Report = silent) -> None:
+    """Write a PTM_1.2 file, RGB or LRGB as the material is, strip by strip; it is whole or not there.
+
+    Parameters
+    ----------
+    codes : how coefficients are rounded; by default chosen for this material
 
     Raises
     ------
     InputError
-        A coefficient is not finite, or the path cannot be written.
+        The material has another basis than the format, a coefficient is not finite, or the path cannot be written.
     """
-    if not np.all(np.isfinite(ptm.coefficients)):
-        raise InputError(f"{path}: coefficients that are not numbers cannot be written; fit again")
-    luminance, colour = (ptm.coefficients, None) if ptm.colour is None else balance(ptm.coefficients, ptm.colour)
-    steps = tuple(scale_bias(float(term.min()) * 255, float(term.max()) * 255) for term in luminance)
-    # uint8 (H, W, C, 6): the six codes of a pixel side by side, the bottom row first.
-    codes = np.stack(
-        [step.encode(term.astype(np.float64) * 255) for step, term in zip(steps, luminance, strict=True)], axis=-1
-    )[::-1]
-    blocks = [np.ascontiguousarray(codes[:, :, channel]).tobytes() for channel in range(codes.shape[2])]
-    if colour is not None:
-        blocks.append(np.rint(colour[::-1] * 255).astype(np.uint8).tobytes())
-    write_atomically(path, b"".join([_format_header(ptm, steps), *blocks, _format_trailer(ptm)]))
+    codes = codes or choose_codes(material, str(path))
+    height, width = material.shape
+    header = _format_header(material, codes.steps)
+    rows = max(1, _STRIP_PIXELS // width)
+
+    def write(top: int, file: int) -> int:
+        bottom = min(height, top + rows)
+        strip = material.strip(slice(top, bottom))
+        if not np.isfinite(np.sum(strip.coefficients)):
+            raise InputError(f"{path}: coefficients that are not numbers cannot be written; fit again")
+        offset = len(header)
+        for block in codes.blocks(strip):  # each (h, W, bytes a pixel), and in the file the bottom row comes first
+            stride = width * block.shape[2]
+            _write_all(file, block[::-1].tobytes(), offset + (height - bottom) * stride)
+            offset += height * stride
+        return bottom
+
+    with replacing(path) as temporary, temporary.open("wb") as out, ThreadPoolExecutor(_AT_ONCE) as workers:
+        _write_all(out.fileno(), header, 0)
+        for bottom in workers.map(lambda top: write(top, out.fileno()), range(0, height, rows)):
+            report(Progress("fitting", bottom, height))
+        payload = height * width * _BYTES_PER_PIXEL[_FORMATS[material.kind]]
+        _write_all(out.fileno(), _format_trailer(material), len(header) + payload)
+
+
+def choose_codes(material: Material, source: str = "") -> PtmCodes:
+    """Choose the codes of a `.ptm` from a sample of a material's pixels; `source` names it in errors.
+
+    Raises
+    ------
+    InputError
+        The material has another basis than the format, or a coefficient is not finite.
+    """
+    if material.basis != PTM:
+        raise InputError(f"{source}: a .ptm file holds a {PTM}, this is a {material.basis}; write .rti or .ptm.exr")
+    sample = material.sample(_SAMPLES)
+    if not np.all(np.isfinite(sample.coefficients)):
+        raise InputError(f"{source}: coefficients that are not numbers cannot be written; fit again")
+    if material.kind == "lrgb":
+        balance = choose_balance(sample, material.gram)
+        return PtmCodes(balance.rounding, balance)
+    return PtmCodes(choose_rounding(sample.coefficients.reshape(TERMS, -1), material.gram))
 
 
 def read_ptm(path: Path) -> Ptm:
@@ -105,11 +175,11 @@ def read_ptm(path: Path) -> Ptm:
     return Ptm(coefficients, colour, cast(Space, remarks["space"]), remarks["source"])
 
 
-def _format_header(ptm: Ptm, steps: tuple[ScaleBias, ...]) -> bytes:
-    height, width = ptm.coefficients.shape[1:3]
+def _format_header(material: Material, steps: tuple[ScaleBias, ...]) -> bytes:
+    height, width = material.shape
     lines = [
         "PTM_1.2",
-        "PTM_FORMAT_RGB" if ptm.colour is None else "PTM_FORMAT_LRGB",
+        _FORMATS[material.kind],
         str(width),
         str(height),
         " ".join(f"{step.scale:.8g}" for step in steps),
@@ -118,8 +188,15 @@ def _format_header(ptm: Ptm, steps: tuple[ScaleBias, ...]) -> bytes:
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
-def _format_trailer(ptm: Ptm) -> bytes:
-    remarks = {"space": ptm.space, "source": ptm.source, "litrig": litrig_version()}
+def _write_all(file: int, content: bytes, offset: int) -> None:
+    """Write at a place; a full disk may take part of it and say nothing."""
+    while content:
+        written = os.pwrite(file, content, offset)
+        content, offset = content[written:], offset + written
+
+
+def _format_trailer(material: Material) -> bytes:
+    remarks = {"space": material.space, "source": material.source, "litrig": litrig_version()}
     return _TRAILER + json.dumps(remarks).encode("ascii") + b"\n"
 
 

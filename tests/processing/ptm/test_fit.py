@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
 from litrig.base.progress import Progress
-from processing.ptm.fit import fit, split_colour
+from processing.ptm.colour_split import split_colour
+from processing.ptm.fit import fit
 from processing.ptm.model import Colour, Space
 from processing.ptm.quality import fit_quality
 from processing.ptm.relight import relight
@@ -116,10 +117,11 @@ def test_quality_is_the_distance_to_the_pictures(relief: Stack) -> None:
     assert fit_quality(ptm, relief, LIGHTS).per_light_db[5] == pytest.approx(expected, abs=1e-3)
 
 
-def test_every_frame_is_reported(relief: Stack) -> None:
+def test_every_frame_and_then_every_strip_is_reported(relief: Stack) -> None:
     steps: list[Progress] = []
     fit(relief, LIGHTS, report=steps.append)
-    assert [step.done for step in steps] == list(range(1, len(LIGHTS) + 1))
+    assert [step.done for step in steps if step.job == "reading"] == list(range(1, len(LIGHTS) + 1))
+    assert [step.done for step in steps if step.job == "fitting"] == [relief.shape[0]]
 
 
 def test_lights_and_pictures_must_be_as_many(relief: Stack) -> None:

@@ -2,10 +2,8 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from hypothesis.extra import numpy as nps
 
 from litrig.base.errors import InputError
-from processing.ptm.files.balance import balance
 from processing.ptm.files.quantise import ScaleBias, scale_bias
 
 BOUNDS = st.floats(-1e6, 1e6)
@@ -49,15 +47,3 @@ def test_a_plane_of_zeros_has_scale_one_and_bias_zero() -> None:
 def test_what_the_codes_cannot_hold_is_refused(value: float) -> None:
     with pytest.raises(InputError, match="exceed"):
         ScaleBias(1.0, 0).encode(np.array([value]))
-
-
-@given(
-    nps.arrays(np.float32, (6, 3, 2, 1), elements=st.floats(-4, 4, width=32)),
-    nps.arrays(np.float32, (3, 2, 3), elements=st.floats(0, 1, width=32)),
-)
-def test_balancing_changes_the_shares_and_not_the_product(
-    luminance: np.typing.NDArray[np.float32], colour: np.typing.NDArray[np.float32]
-) -> None:
-    shared_luminance, shared_colour = balance(luminance, colour)
-    assert shared_luminance * shared_colour == pytest.approx(luminance * colour, rel=1e-4, abs=1e-6)
-    assert 0 <= shared_colour.min() <= shared_colour.max() <= 1
