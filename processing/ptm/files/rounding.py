@@ -25,8 +25,8 @@ _SHARES = (0.0, 1e-4, 1e-3, 4e-3, 1.5e-2)
 _TILE = 1024
 _SECOND_LOOKS = 2
 _TRIED = 8000
-# Of the mean square of a pixel's values.
-_RUIN = 0.03
+# Beside the square of white, or of bright pixels where they are brighter.
+_RUIN = 0.06
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def choose_rounding(sample: F32, gram: F64, weights: F32 | None = None) -> Round
     bounds = [[_bounds(term, share) for share in _SHARES] for term in sample]
     some = np.ascontiguousarray(sample[:, :: max(1, sample.shape[1] // _TRIED)])
     weighing = np.ones(1) if weights is None else weights[:: max(1, sample.shape[1] // _TRIED)]
-    ruin = _RUIN * float(np.median(np.sum(some * (gram @ some), axis=0)))
+    ruin = _RUIN * max(1.0, float(np.quantile(np.sum(some * (gram @ some), axis=0), 0.9)))
     chosen = [0] * len(sample)
 
     def rounding(picks: Sequence[int]) -> Rounding:
