@@ -1,7 +1,9 @@
 """`litrig ptm …`: from pictures under many lights to polynomial texture maps."""
 
+import json
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
@@ -12,8 +14,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from litrig.base.capture_folder.capture import Capture
-
-_WORST_SHOWN = 3
+    from processing.ptm.basis import Basis, Kind
+    from processing.ptm.model import Colour, Space
+    from processing.ptm.near_lights import NearLights
+    from processing.ptm.robust import Robust
 
 
 @click.group()
@@ -23,14 +27,21 @@ def ptm() -> None:
 
 @ptm.command(epilog="Example: litrig ptm fit coin-session -o coin.ptm")
 @FOLDER
-@click.option("-o", "--output", metavar="OUT.ptm", type=PATH, required=True, help="The file to write.")
-@click.option("--lp", type=PATH, metavar="X.lp", help="Lights, .lp or .dome; by default those of the folder.")
+@click.option("-o", "--output", metavar="OUT", type=PATH, required=True, help="The file to write.")
+@click.option("--lp", type=PATH, metavar="FILE", help="Light directions, .lp or .dome; by default those of the folder.")
+@click.option(
+    "--basis",
+    type=click.Choice(["ptm", "hsh"]),
+    default="ptm",
+    show_default=True,
+    help="ptm: polynomials of the light's direction. hsh: hemispherical harmonics, sharper, from more lights.",
+)
+@click.option("--terms", type=int, metavar="N", help="6 or 3 of ptm; 9, 4 or 16 of hsh. The first is the default.")
 @click.option(
     "--colour",
     type=click.Choice(["lrgb", "rgb"]),
-    default="lrgb",
-    show_default=True,
-    help="lrgb: a polynomial of luminance and a fixed colour a pixel. rgb: a polynomial a channel.",
+    help="lrgb: coefficients of luminance and a fixed colour a pixel. rgb: coefficients a channel. By default lrgb for "
+    "ptm, rgb for hsh.",
 )
 @click.option(
     "--space",
@@ -39,30 +50,95 @@ def ptm() -> None:
     show_default=True,
     help="Fit display values, as other tools expect, or linear light.",
 )
-def fit(
-    folder: Path, output: Path, lp: Path | None, colour: Literal["lrgb", "rgb"], space: Literal["srgb", "linear"]
+@click.option(
+    "--robust",
+    type=click.Choice(["no", "trimmed", "reweighted"]),
+    default="no",
+    show_default=True,
+    help="Hold back shadows and highlights: leave out a pixel's darkest and brightest pictures, or lower the weight of "
+    "those that do not fit.",
+)
+@click.option(
+    "--ridge",
+    type=click.FloatRange(0, 10),
+    default=0.0,
+    metavar="R",
+    help="Hold down large coefficients, for few lights.",
+)
+@click.option(
+    "--picture-width",
+    type=float,
+    metavar="MM",
+    help="How much the picture's width shows; with light positions, makes light directions and brightness differ over "
+    "the picture. A .dome may say it.",
+)
+@click.option("--far", is_flag=True, help="Take lights for distant also where their positions are known.")
+@click.option(
+    "--memory",
+    type=click.FloatRange(0.05, 10_000),
+    default=1.0,
+    show_default=True,
+    metavar="GB",
+    help="Decoded pictures of more than this go to a temporary file.",
+)
+@click.option("--spool", type=PATH, metavar="DIR", help="Where that file goes; by default where temporary files go.")
+@JSON
+def fit(  # one option each
+    folder: Path,
+    output: Path,
+    lp: Path | None,
+    basis: "Kind",
+    terms: int | None,
+    colour: "Colour | None",
+    space: "Space",
+    robust: "Robust",
+    ridge: float,
+    picture_width: float | None,
+    far: bool,
+    memory: float,
+    spool: Path | None,
+    as_json: bool,
 ) -> None:
-    """Fit a polynomial texture map to the pictures in FOLDER.
+    """Fit a relightable picture to the pictures in FOLDER.
 
     FOLDER is a capture folder, or holds pictures and an .lp file with a line `name x y z` for each: the direction from
     the object to the light, x to the right, y up, z to the camera.
+
+    Each picture is also predicted from all others: where that fails, the light's direction is wrong, or nothing near it
+    was shot.
     """
     from litrig.base.console import reporting
-    from processing.ptm.files.ptm_file import write_ptm
-    from processing.ptm.fit import fit as fit_ptm
-    from processing.ptm.quality import fit_quality
+    from processing.ptm.files.ptm_file import choose_codes, write_ptm
+    from processing.ptm.fit import FitSettings, open_fit
+    from processing.ptm.quality import report_on
     from processing.stack import Stack
 
     check_output(output, ".ptm")
-    capture, light_dirs = _read_lit_frames(folder, lp)
+    chosen = _basis(basis, terms)
+    capture, lights = _read_lit_frames(folder, lp, picture_width)
+    settings = FitSettings(
+        basis=chosen,
+        colour=colour or ("lrgb" if basis == "ptm" else "rgb"),
+        space=space,
+        robust=robust,
+        ridge=ridge,
+        near=None if far else lights.near,
+        light_gains=lights.gains,
+        memory_bytes=int(memory * 1e9),
+        spool=spool,
+    )
     stack = Stack.of(capture)
-    with reporting() as report:
-        result = fit_ptm(stack, light_dirs, colour=colour, space=space, source=capture.digest, report=report)
-        quality = fit_quality(result, stack, light_dirs, report)
-        write_ptm(output, result)
-    worst = [f"{stack.paths[index].name} {quality.per_light_db[index]:.1f} dB" for index in quality.worst(_WORST_SHOWN)]
-    click.echo(f"fit: {quality.psnr_db:.1f} dB over {len(stack)} pictures; worst {', '.join(worst)}")
-    click.echo(f"{output}: {stack.shape[1]} × {stack.shape[0]} pixels, {colour.upper()}, {space} values")
+    with reporting() as report, open_fit(stack, lights.directions, settings, source=capture.digest, report=report) as f:
+        codes = choose_codes(f, str(output))
+        worth = report_on(f, codes.stored)
+        write_ptm(output, f, codes, report)
+    names = [path.name for path in stack.paths]
+    if as_json:
+        click.echo(json.dumps(worth.facts(names)))
+        return
+    click.echo("\n".join(worth.lines(names)))
+    near = "" if settings.near is None else ", near lights"
+    click.echo(f"{output}: {stack.shape[1]} × {stack.shape[0]} pixels, {chosen}, {settings.colour}, {space}{near}")
 
 
 @ptm.command(name="info", epilog="Example: litrig ptm info coin.ptm --json")
@@ -120,22 +196,55 @@ def relight(file: Path, light: tuple[float, float], output: Path) -> None:
     click.echo(f"{output}: {values.shape[1]} × {values.shape[0]} pixels")
 
 
-def _read_lit_frames(folder: Path, lp: Path | None) -> "tuple[Capture, NDArray[np.float64]]":
+class _Lit(NamedTuple):
+    """The lights of the frames: `directions` (N, 3), `gains` (N, 3) or None, and where they stood if that is known."""
+
+    directions: "NDArray[np.float64]"
+    gains: "NDArray[np.float64] | None"
+    near: "NearLights | None"
+
+
+def _basis(kind: "Kind", terms: int | None) -> "Basis":
+    from processing.ptm.basis import TERMS, Basis
+
+    possible = TERMS[kind]
+    if terms is not None and terms not in possible:
+        raise click.BadParameter(f"{kind} has {' or '.join(map(str, possible))}", param_hint="--terms")
+    return Basis(kind, terms or possible[0])
+
+
+def _read_lit_frames(folder: Path, lp: Path | None, picture_width_mm: float | None) -> "tuple[Capture, _Lit]":
     import numpy as np
 
     from litrig.base.capture_folder.capture import Role
     from litrig.base.capture_folder.reader import pair_lights, read_capture
     from litrig.base.errors import InputError
     from litrig.base.light_files import read_lights
+    from processing.ptm.near_lights import NearLights
 
     capture = read_capture(folder)
     if lp is not None:
-        capture = pair_lights(capture, read_lights(lp), lp)
-    lights = []
-    for frame in capture.having(Role.FRAME):
+        listed = read_lights(lp)
+        if picture_width_mm is not None and listed.positions_mm is None:
+            # The vectors of an .lp are positions where they are not of length 1, and the width says in what unit.
+            listed = replace(listed, positions_mm=listed.vectors)
+        capture = pair_lights(capture, listed, lp)
+    frames = list(capture.having(Role.FRAME))
+    for frame in frames:
         if frame.light is None:
             raise InputError(f"{frame.path}: its light is not known; put an .lp file beside it, or name one with --lp")
-        lights.append(frame.light)
     for remark in capture.remarks:
         click.echo(remark, err=True)
-    return capture, np.array(lights)
+    positions = [frame.light_position_mm for frame in frames if frame.light_position_mm is not None]
+    gains = [frame.light_gain for frame in frames if frame.light_gain is not None]
+    width_mm = picture_width_mm or capture.picture_width_mm
+    if picture_width_mm is not None and len(positions) < len(frames):
+        raise InputError(
+            f"{folder}: where its lights stood is not known, only their directions; leave --picture-width out, or name "
+            "a .dome, or an .lp of positions, with --lp"
+        )
+    near = None
+    if width_mm is not None and len(positions) == len(frames):
+        near = NearLights(np.array(positions), width_mm)
+    directions = np.array([frame.light for frame in frames])
+    return capture, _Lit(directions, np.array(gains) if len(gains) == len(frames) else None, near)

@@ -41,6 +41,7 @@ class FitSettings:
     robust : whether shadows and highlights are held back
     ridge : how much large coefficients are held down; 0 is least squares
     near : where the lights stood, if their directions differ over the picture
+    light_gains : (N, 3) by what linear R, G, B are multiplied, to make unequal lamps equal; None if they are
     memory_bytes : decoded pictures of more than this go to a file
     spool : folder for that file
     """
@@ -51,6 +52,7 @@ class FitSettings:
     robust: Robust = "no"
     ridge: float = 0.0
     near: NearLights | None = None
+    light_gains: F64 | None = None
     memory_bytes: int = DEFAULT_BUDGET_BYTES
     spool: Path | None = None
 
@@ -99,7 +101,7 @@ class Fit:
         top, bottom, _ = rows.indices(height)
         coefficients = np.zeros((self.basis.terms, (bottom - top) * width, 3), np.float32)
         start, stop = top * width, bottom * width
-        if self._least_squares and self._pictures.proportional:
+        if self._least_squares and self._pictures.proportional and self.settings.light_gains is None:
             solver = (self._solver / self._pictures.white).astype(np.float32)
             solve(solver, self._pictures.values, 3 * start, 3 * stop, coefficients.reshape(len(coefficients), -1))
         else:
@@ -145,11 +147,19 @@ class Fit:
 
     @property
     def _least_squares(self) -> bool:
+        """Whether all pixels have one fitting matrix."""
         return self.settings.near is None and self.settings.robust == "no"
 
     def _brightened(self, values: F32, pixels: NDArray[np.int64]) -> F32:
-        near = self.settings.near
-        return values if near is None else brighten(values, near.at(pixels, self.shape)[1], self.space)
+        near, lamps = self.settings.near, self.settings.light_gains
+        if near is None and lamps is None:
+            return values
+        gains = np.ones((len(values), 1, 1), np.float32)
+        if near is not None:
+            gains = gains * near.at(pixels, self.shape)[1][..., None]
+        if lamps is not None:
+            gains = gains * lamps[:, None].astype(np.float32)
+        return brighten(values, gains, self.space)
 
     def _fitted(self, values: F32, pixels: NDArray[np.int64]) -> tuple[F32, F32, F64]:
         values = self._brightened(values, pixels)

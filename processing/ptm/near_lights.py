@@ -68,9 +68,9 @@ def brighten(values: F32, gains: F32, space: Space) -> F32:
     Parameters
     ----------
     values : (N, P, 3)
-    gains : (N, P)
+    gains : (N, 1 or P, 1 or 3)
     """
-    light = (decode_srgb(values) if space == "srgb" else values) * gains[..., None]
+    light = (decode_srgb(values) if space == "srgb" else values) * gains
     if space == "linear":
         return light
     return np.where(light <= 0.0031308, light * 12.92, 1.055 * np.maximum(light, 0) ** (1 / 2.4) - 0.055).astype(

@@ -1,7 +1,8 @@
 """How well a material gives back the pictures that it was fitted to, and how well those it has not seen."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ F64 = NDArray[np.float64]
 _PIXELS, _PIXELS_WEIGHTED = 60_000, 6_000
 # A light that alone decides a coefficient cannot be left out.
 _LEAST_FREEDOM = 1e-3
+_WORST = 3
 
 
 @dataclass(frozen=True)
@@ -91,6 +93,45 @@ class FitReport:
         """Return the indices of the lights that the others predict worst, the worst first."""
         order = np.argsort(np.nan_to_num(self.left_out_db, nan=np.inf, posinf=1e9), kind="stable")
         return [int(index) for index in order[:count]]
+
+    def lines(self, names: Sequence[str]) -> list[str]:
+        """Say it to a person, a line a light; `names` of the pictures."""
+        stored = "" if self.stored_db is None else f"; as stored {self.stored_db:.2f} dB"
+        kept = "" if self.kept_share == 1 else f"; {self.kept_share:.0%} of the values count"
+        width = max(map(len, names))
+        worst = ", ".join(f"{names[index]} {_decibels(self.left_out_db[index])}" for index in self.worst(_WORST))
+        return [
+            f"fit: {self.fit_db:.2f} dB over {len(names)} pictures and {self.pixels} pixels{stored}{kept}",
+            f"{'picture':{width}}       fit  predicted by the others",
+            *(
+                f"{name:{width}}  {_decibels(fit_db):>8}  {_decibels(left_out_db):>8}"
+                for name, fit_db, left_out_db in zip(names, self.per_light_db, self.left_out_db, strict=True)
+            ),
+            f"predicted by the others: {_decibels(self.left_out_mean_db)} in all; worst {worst}",
+        ]
+
+    def facts(self, names: Sequence[str]) -> dict[str, Any]:
+        """Say it to a program; what is not a finite number is null."""
+        return {
+            "fit_db": _finite(self.fit_db),
+            "stored_db": None if self.stored_db is None else _finite(self.stored_db),
+            "predicted_db": _finite(self.left_out_mean_db),
+            "pixels": self.pixels,
+            "kept_share": self.kept_share,
+            "pictures": [
+                {"name": name, "fit_db": _finite(fit_db), "predicted_db": _finite(left_out_db)}
+                for name, fit_db, left_out_db in zip(names, self.per_light_db, self.left_out_db, strict=True)
+            ],
+            "worst": [names[index] for index in self.worst(_WORST)],
+        }
+
+
+def _decibels(value: float) -> str:
+    return "-" if np.isnan(value) else f"{value:.1f} dB"
+
+
+def _finite(value: float) -> float | None:
+    return round(float(value), 3) if np.isfinite(value) else None
 
 
 def report_on(fitted: Fit, stored: Callable[[Strip], Strip] | None = None) -> FitReport:
