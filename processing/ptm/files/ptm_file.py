@@ -86,10 +86,13 @@ class PtmCodes:
         return [np.moveaxis(luminance, 0, -1), colour]
 
     def stored(self, strip: Strip) -> Strip:
-        """Return what a reader of the file gets."""
+        """Return what a reader of the file gets of coefficients (6 or 3, h, W, C)."""
+        terms, strip = len(strip.coefficients), _six_terms(strip)
         if self.balance is None:
-            return Strip(self.rounding.decode(self.rounding.encode(strip.coefficients)), None)
-        return self.balance.decode(*self.balance.encode(strip))
+            kept = Strip(self.rounding.decode(self.rounding.encode(strip.coefficients)), None)
+        else:
+            kept = self.balance.decode(*self.balance.encode(strip))
+        return kept._replace(coefficients=kept.coefficients[-terms:])
 
 
 def write_ptm(path: Path, material: Material, codes: PtmCodes | None = None, report: Report = silent) -> None:
@@ -111,7 +114,7 @@ def write_ptm(path: Path, material: Material, codes: PtmCodes | None = None, rep
 
     def write(top: int, file: int) -> int:
         bottom = min(height, top + rows)
-        strip = material.strip(slice(top, bottom))
+        strip = _six_terms(material.strip(slice(top, bottom)))
         if not np.isfinite(np.sum(strip.coefficients)):
             raise InputError(f"{path}: coefficients that are not numbers cannot be written; fit again")
         offset = len(header)
@@ -137,15 +140,16 @@ def choose_codes(material: Material, source: str = "") -> PtmCodes:
     InputError
         The material has another basis than the format, or a coefficient is not finite.
     """
-    if material.basis != PTM:
+    if material.basis.kind != "ptm":
         raise InputError(f"{source}: a .ptm file holds a {PTM}, this is a {material.basis}; write .rti or .ptm.exr")
-    sample = material.sample(_SAMPLES)
+    gram = material.gram if material.basis == PTM else PTM.gram
+    sample = _six_terms(material.sample(_SAMPLES))
     if not np.all(np.isfinite(sample.coefficients)):
         raise InputError(f"{source}: coefficients that are not numbers cannot be written; fit again")
     if material.kind == "lrgb":
-        balance = choose_balance(sample, material.gram)
+        balance = choose_balance(sample, gram)
         return PtmCodes(balance.rounding, balance)
-    return PtmCodes(choose_rounding(sample.coefficients.reshape(TERMS, -1), material.gram))
+    return PtmCodes(choose_rounding(sample.coefficients.reshape(TERMS, -1), gram))
 
 
 def read_ptm(path: Path) -> Ptm:
@@ -186,6 +190,14 @@ def _format_header(material: Material, steps: tuple[ScaleBias, ...]) -> bytes:
         " ".join(str(step.bias) for step in steps),
     ]
     return ("\n".join(lines) + "\n").encode("ascii")
+
+
+def _six_terms(strip: Strip) -> Strip:
+    """Fill up a polynomial of first degree."""
+    lacking = TERMS - len(strip.coefficients)
+    if not lacking:
+        return strip
+    return strip._replace(coefficients=np.pad(strip.coefficients, ((lacking, 0), (0, 0), (0, 0), (0, 0))))
 
 
 def _write_all(file: int, content: bytes, offset: int) -> None:
