@@ -6,11 +6,12 @@ and the p with the least error is taken. The colour is rounded first, and the lu
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from processing.ptm.files.rounding import Rounding, choose_rounding
+from processing.ptm.files.rounding import Rounding, choose_rounding, make_rounding
 from processing.ptm.model import Strip
 
 F32 = NDArray[np.float32]
@@ -56,21 +57,33 @@ def choose_balance(sample: Strip, gram: F64) -> Balance:
     gram : (T, T) mean of the products of the terms over lights
     """
     assert sample.colour is not None  # noqa: S101  # for the type checker: LRGB it is
-    return min((_try(sample, sample.colour, gram, power) for power in _POWERS), key=lambda tried: tried[0])[1]
+    luminance, colour = sample.coefficients[..., 0], sample.colour
+    tried = [_try(sample, colour, gram, power) for power in _POWERS]
+    _, power, scale, best, weights = min(tried, key=lambda one: one.loss)
+    return Balance(power, scale, choose_rounding(best.reshape(len(luminance), -1), gram, weights))
 
 
-def _try(sample: Strip, colour: F32, gram: F64, power: float) -> tuple[float, Balance]:
+class _Tried(NamedTuple):
+    loss: float
+    power: float
+    scale: float
+    luminance: F32
+    weights: F32
+
+
+def _try(sample: Strip, colour: F32, gram: F64, power: float) -> _Tried:
+    """See what a sample loses with steps that hold all of its luminance."""
     luminance = sample.coefficients[..., 0]
-    shared = colour * _factor(luminance, power)[..., None]
-    scale = 255 / max(float(shared.max()), 1e-30)
+    scale = 255 / max(float((colour * _factor(luminance, power)[..., None]).max()), 1e-30)
     codes = _colour_codes(luminance, colour, power, scale)
-    best = _best_luminance(luminance, colour, codes).reshape(len(luminance), -1)
-    weights = np.sum((codes.reshape(-1, 3) / np.float32(255)) ** 2, axis=-1)
-    balance = Balance(power, scale, choose_rounding(best, gram, weights))
+    best = _best_luminance(luminance, colour, codes)
+    bounds = [(float(term.min()), float(term.max())) for term in best]
+    balance = Balance(power, scale, make_rounding(bounds, gram))
     stored = balance.decode(*balance.encode(sample))
     lost = (stored.coefficients * (stored.colour if stored.colour is not None else 1)) - sample.coefficients * colour
     flat = lost.reshape(len(lost), -1).astype(np.float64)
-    return float(np.sum(flat * (gram @ flat))), balance
+    weights = np.sum((codes.reshape(-1, 3) / np.float32(255)) ** 2, axis=-1)
+    return _Tried(float(np.sum(flat * (gram @ flat))), power, scale, best, weights)
 
 
 def _factor(luminance: F32, power: float) -> F32:

@@ -46,7 +46,7 @@ _LARGEST_SCALE, _LARGEST_BIAS = 1e9, 1_000_000
 # PTMfitter leaves a byte after the pixels.
 _SPARE_BYTES = 2
 _STRIP_PIXELS = 16_384
-_SAMPLES = 20_000
+_SAMPLES = 12_000
 _AT_ONCE = min(4, os.cpu_count() or 1)
 _FORMATS: dict[Colour, str] = {"rgb": "PTM_FORMAT_RGB", "lrgb": "PTM_FORMAT_LRGB"}
 _BYTES_PER_PIXEL = {"PTM_FORMAT_RGB": 3 * TERMS, "PTM_FORMAT_LRGB": TERMS + 3}

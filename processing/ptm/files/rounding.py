@@ -23,8 +23,8 @@ U8 = NDArray[np.uint8]
 _SHARES = (0.0, 1e-4, 1e-3, 4e-3, 1.5e-2)
 """Shares of the pixels that may lie outside a term's codes, at each end."""
 _TILE = 1024
-_SECOND_LOOKS = 2
-_TRIED = 8000
+_SECOND_LOOKS = 1
+_TRIED = 4000
 # Beside the square of white, or of bright pixels where they are brighter.
 _RUIN = 0.06
 
