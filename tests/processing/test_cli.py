@@ -13,7 +13,6 @@ from processing.amc.cli import amc
 from processing.amc.files.ktx2 import read_amc
 from processing.ptm.cli import ptm
 from processing.ptm.files.ptm_file import read_ptm
-from processing.ptm.relight import relight
 from tests.processing.amc.brushed_sphere import Scene, true_table
 from tests.processing.ptm.relief import dome, write_relief
 
@@ -254,20 +253,6 @@ def test_fit_takes_every_option(relief: Path, tmp_path: Path) -> None:
 def test_pictures_without_lights_are_refused(sphere: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"frame_0000\.png: its light is not known.*--lp"):
         run(ptm, "fit", sphere, "-o", tmp_path / "x.ptm")
-
-
-def test_relight_writes_the_stored_values(relief: Path, tmp_path: Path) -> None:
-    run(ptm, "fit", relief, "-o", tmp_path / "x.ptm")
-    run(ptm, "relight", tmp_path / "x.ptm", "--light", 0.3, -0.4, "-o", tmp_path / "lit.png")
-    codes = read_codes(tmp_path / "lit.png")
-    values = relight(read_ptm(tmp_path / "x.ptm"), np.array([0.3, -0.4]))
-    assert np.array_equal(codes, np.rint(np.clip(values, 0, 1) * 255))
-
-
-def test_a_light_below_the_horizon_is_refused(relief: Path, tmp_path: Path) -> None:
-    run(ptm, "fit", relief, "-o", tmp_path / "x.ptm")
-    with pytest.raises(InputError, match="below the horizon"):
-        run(ptm, "relight", tmp_path / "x.ptm", "--light", 0.8, 0.8, "-o", tmp_path / "lit.png")
 
 
 @pytest.mark.parametrize("words", [["build"], ["info"], ["isotropic"], ["matcap"], ["convert"]])
