@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import click
 
 from processing.command_parts import FOLDER, JSON, PATH, check_output, echo_facts
+from processing.ptm.relighting.cli import relight
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
 @click.group()
 def ptm() -> None:
     """Make polynomial texture maps: pictures of a still object that can be lit anew."""
+
+
+ptm.add_command(relight)
 
 
 @ptm.command(epilog="Example: litrig ptm fit coin-session -o coin.ptm")
@@ -164,36 +168,6 @@ def ptm_info(file: Path, as_json: bool) -> None:
         },
         as_json,
     )
-
-
-@ptm.command(epilog="Example: litrig ptm relight coin.ptm --light 0.7 0.2 -o raking.png")
-@click.argument("file", metavar="X.ptm", type=PATH)
-@click.option(
-    "--light", type=float, nargs=2, metavar="U V", required=True, help="Light direction: to the right and up, -1..1."
-)
-@click.option("-o", "--output", metavar="IMAGE", type=PATH, required=True, help="PNG, JPEG, TIFF or EXR to write.")
-def relight(file: Path, light: tuple[float, float], output: Path) -> None:
-    """Make the picture of a polynomial texture map under a light.
-
-    The file's values become the picture's values as they are; an EXR gets linear light.
-    """
-    import numpy as np
-
-    from litrig.base.errors import InputError
-    from litrig.base.pictures import write_codes, write_picture
-    from litrig.base.radiometry import decode_srgb, to_u8
-    from processing.ptm.files.ptm_file import read_ptm
-    from processing.ptm.relight import relight as evaluate
-
-    if not light[0] ** 2 + light[1] ** 2 <= 1:
-        raise InputError(f"a light at {light[0]:g}, {light[1]:g} is below the horizon; u² + v² must not exceed 1")
-    material = read_ptm(file)
-    values = evaluate(material, np.array(light))
-    if output.suffix.lower() == ".exr":
-        write_picture(output, decode_srgb(values) if material.space == "srgb" else values)
-    else:
-        write_codes(output, to_u8(values))
-    click.echo(f"{output}: {values.shape[1]} × {values.shape[0]} pixels")
 
 
 class _Lit(NamedTuple):

@@ -13,7 +13,6 @@ from processing.amc.cli import amc
 from processing.amc.files.ktx2 import read_amc
 from processing.ptm.cli import ptm
 from processing.ptm.files.ptm_file import read_ptm
-from processing.ptm.relight import relight
 from tests.processing.amc.brushed_sphere import Scene, true_table
 from tests.processing.ptm.relief import dome, write_relief
 
@@ -230,8 +229,12 @@ def test_an_output_that_cannot_be_is_refused_before_the_work(
 def test_fit_writes_the_ptm_and_says_how_well_it_fits(relief: Path, tmp_path: Path) -> None:
     out = tmp_path / "x.ptm"
     result = run(ptm, "fit", relief, "-o", out)
-    assert "dB over 12 pictures; worst light_" in result.output
-    assert "24 × 24 pixels, LRGB, srgb values" in result.output
+    assert "dB over 12 pictures and 576 pixels; as stored" in result.output
+    assert "24 × 24 pixels, PTM of 6 terms, lrgb, srgb" in result.output
+    lights = [line.split() for line in result.output.splitlines() if line.startswith("light_") and ".png  " in line]
+    assert [light[0] for light in lights] == [f"light_{index:03d}.png" for index in range(12)]
+    predicted = {light[0]: float(light[3]) for light in lights}
+    assert f"worst {min(predicted, key=predicted.__getitem__)} " in result.output
     assert read_ptm(out).source
 
 
@@ -251,23 +254,51 @@ def test_fit_takes_every_option(relief: Path, tmp_path: Path) -> None:
     assert [line.split(":")[0] for line in coefficients] == ["  u2", "  v2", "  uv", "  u", "  v", "  1"]
 
 
+def test_fit_answers_a_program(relief: Path, tmp_path: Path) -> None:
+    result = run(ptm, "fit", relief, "-o", tmp_path / "x.ptm", "--robust", "trimmed", "--json")
+    facts = json.loads(result.stdout)
+    assert len(facts["pictures"]) == 12
+    assert facts["worst"][0] in [picture["name"] for picture in facts["pictures"]]
+    assert 0.5 < facts["kept_share"] < 1
+    assert facts["predicted_db"] < facts["fit_db"]
+
+
+def test_few_lights_are_fitted_with_fewer_terms_or_held_down(relief: Path, tmp_path: Path) -> None:
+    four = tmp_path / "four.lp"
+    lines = (relief / "relief.lp").read_text().splitlines()
+    four.write_text("\n".join(["4", *lines[1:5]]))
+    arguments = ["fit", relief, "-o", tmp_path / "x.ptm", "--lp", four]
+    with pytest.raises(InputError, match=r"4 lights from 4 directions cannot carry a PTM of 6 terms.*--ridge"):
+        run(ptm, *arguments)
+    assert not (tmp_path / "x.ptm").exists()
+    assert "PTM of 3 terms" in run(ptm, *arguments, "--terms", 3).output
+    assert read_ptm(tmp_path / "x.ptm").coefficients[:3] == pytest.approx(0)
+    assert "PTM of 6 terms" in run(ptm, *arguments, "--ridge", 0.01).output
+
+
+def test_positions_make_lights_near(relief: Path, tmp_path: Path) -> None:
+    positions = tmp_path / "positions.lp"
+    lines = (relief / "relief.lp").read_text().splitlines()
+    far = [line.split() for line in lines[1:]]
+    vectors = [" ".join([name, *(f"{300 * float(part):.3f}" for part in parts)]) for name, *parts in far]
+    positions.write_text("\n".join([lines[0], *vectors]))
+    arguments = ["fit", relief, "-o", tmp_path / "x.ptm", "--lp", positions]
+    assert "near" not in run(ptm, *arguments).output
+    assert "near lights" in run(ptm, *arguments, "--picture-width", 80).output
+    assert "near" not in run(ptm, *arguments, "--picture-width", 80, "--far").output
+    with pytest.raises(InputError, match=r"where its lights stood is not known.*--picture-width"):
+        run(ptm, "fit", relief, "-o", tmp_path / "x.ptm", "--picture-width", 80)
+
+
+def test_a_number_of_terms_that_no_basis_has_is_wrong_usage(relief: Path, tmp_path: Path) -> None:
+    result = CliRunner().invoke(ptm, ["fit", str(relief), "-o", str(tmp_path / "x.ptm"), "--terms", "5"])
+    assert result.exit_code == 2
+    assert "ptm has 6 or 3" in result.output
+
+
 def test_pictures_without_lights_are_refused(sphere: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"frame_0000\.png: its light is not known.*--lp"):
         run(ptm, "fit", sphere, "-o", tmp_path / "x.ptm")
-
-
-def test_relight_writes_the_stored_values(relief: Path, tmp_path: Path) -> None:
-    run(ptm, "fit", relief, "-o", tmp_path / "x.ptm")
-    run(ptm, "relight", tmp_path / "x.ptm", "--light", 0.3, -0.4, "-o", tmp_path / "lit.png")
-    codes = read_codes(tmp_path / "lit.png")
-    values = relight(read_ptm(tmp_path / "x.ptm"), np.array([0.3, -0.4]))
-    assert np.array_equal(codes, np.rint(np.clip(values, 0, 1) * 255))
-
-
-def test_a_light_below_the_horizon_is_refused(relief: Path, tmp_path: Path) -> None:
-    run(ptm, "fit", relief, "-o", tmp_path / "x.ptm")
-    with pytest.raises(InputError, match="below the horizon"):
-        run(ptm, "relight", tmp_path / "x.ptm", "--light", 0.8, 0.8, "-o", tmp_path / "lit.png")
 
 
 @pytest.mark.parametrize("words", [["build"], ["info"], ["isotropic"], ["matcap"], ["convert"]])

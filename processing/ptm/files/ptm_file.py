@@ -86,7 +86,7 @@ class PtmCodes:
         return [np.moveaxis(luminance, 0, -1), colour]
 
     def stored(self, strip: Strip) -> Strip:
-        """Return what a reader of the file gets of coefficients (6 or 3, h, W, C)."""
+        """Return what a reader of the file gets of coefficients (6 or 3, ..., C)."""
         terms, strip = len(strip.coefficients), _six_terms(strip)
         if self.balance is None:
             kept = Strip(self.rounding.decode(self.rounding.encode(strip.coefficients)), None)
@@ -197,7 +197,8 @@ def _six_terms(strip: Strip) -> Strip:
     lacking = TERMS - len(strip.coefficients)
     if not lacking:
         return strip
-    return strip._replace(coefficients=np.pad(strip.coefficients, ((lacking, 0), (0, 0), (0, 0), (0, 0))))
+    missing = np.zeros((lacking, *strip.coefficients.shape[1:]), np.float32)
+    return strip._replace(coefficients=np.concatenate([missing, strip.coefficients]))
 
 
 def _write_all(file: int, content: bytes, offset: int) -> None:
