@@ -15,7 +15,7 @@ from litrig.base.capture_folder.capture import Role
 from litrig.base.capture_folder.journal import read_journal
 from litrig.base.capture_folder.reader import good_frames
 from litrig.base.capture_folder.writer import CaptureFolderWriter, check_free, check_object_id
-from litrig.base.lp import LightDirections
+from litrig.base.lights import Lights
 from litrig.base.progress import Progress, Report, silent
 from litrig.base.version import litrig_version
 from rig.config import RigConfig
@@ -100,7 +100,7 @@ def _resolved(config: RigConfig, plan: Plan, info: SessionInfo, started: str) ->
     }
 
 
-def _lights(folder: Path) -> LightDirections | None:
+def _lights(folder: Path) -> Lights | None:
     frames = [
         entry
         for entry in good_frames(read_journal(folder / layout.JOURNAL))
@@ -109,7 +109,7 @@ def _lights(folder: Path) -> LightDirections | None:
     if not frames:
         return None
     names = tuple(Path(entry["file"]).name for entry in frames)
-    return LightDirections(names, np.array([entry["light"] for entry in frames]))
+    return Lights(names, np.array([entry["light"] for entry in frames]))
 
 
 def _instruments(config: RigConfig) -> list[str]:

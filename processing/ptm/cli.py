@@ -24,7 +24,7 @@ def ptm() -> None:
 @ptm.command(epilog="Example: litrig ptm fit coin-session -o coin.ptm")
 @FOLDER
 @click.option("-o", "--output", metavar="OUT.ptm", type=PATH, required=True, help="The file to write.")
-@click.option("--lp", type=PATH, metavar="X.lp", help="Light directions; by default those of the folder.")
+@click.option("--lp", type=PATH, metavar="X.lp", help="Lights, .lp or .dome; by default those of the folder.")
 @click.option(
     "--colour",
     type=click.Choice(["lrgb", "rgb"]),
@@ -126,14 +126,16 @@ def _read_lit_frames(folder: Path, lp: Path | None) -> "tuple[Capture, NDArray[n
     from litrig.base.capture_folder.capture import Role
     from litrig.base.capture_folder.reader import pair_lights, read_capture
     from litrig.base.errors import InputError
-    from litrig.base.lp import read_lp
+    from litrig.base.light_files import read_lights
 
     capture = read_capture(folder)
     if lp is not None:
-        capture = pair_lights(capture, read_lp(lp), lp)
+        capture = pair_lights(capture, read_lights(lp), lp)
     lights = []
     for frame in capture.having(Role.FRAME):
         if frame.light is None:
             raise InputError(f"{frame.path}: its light is not known; put an .lp file beside it, or name one with --lp")
         lights.append(frame.light)
+    for remark in capture.remarks:
+        click.echo(remark, err=True)
     return capture, np.array(lights)

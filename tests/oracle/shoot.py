@@ -12,7 +12,8 @@ from firmware_sim.mitsuba.renderer import MitsubaRenderer
 from firmware_sim.scene.pose import Pose
 from litrig.base.capture_folder.capture import Capture
 from litrig.base.capture_folder.reader import ANGLES, read_capture
-from litrig.base.lp import LightDirections, write_lp
+from litrig.base.lights import Lights
+from litrig.base.lp import write_lp
 from litrig.base.pictures import write_picture
 from litrig.base.table_normals import TableNormal
 from processing.amc.build import AmcResult, build, build_split
@@ -161,4 +162,4 @@ def _shoot_lights(renderer: MitsubaRenderer, side_px: int, folder: Path) -> None
     names = tuple(f"light_{index:03d}.exr" for index in range(LIGHTS))
     for name, pose in zip(names, poses, strict=True):
         write_picture(folder / name, renderer.render(pose, (side_px, side_px)))
-    write_lp(folder / "lights.lp", LightDirections(names, lamp_directions(poses)))
+    write_lp(folder / "lights.lp", Lights(names, lamp_directions(poses)))

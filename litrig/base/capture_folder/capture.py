@@ -30,12 +30,16 @@ class CapturedFrame:
     role : what it is for
     angle_deg : turntable angle read back, counter-clockwise as the camera sees it; None where there was no turntable
     light : (3,) float64, unit, view frame, sample to light; None where the light was not the rig's to move
+    light_position_mm : (3,) where the light stood, as `Lights` has it; None where it is not known
+    light_gain : (3,) by what linear R, G, B are to be multiplied, to make unequal lamps equal; None where they are
     """
 
     path: Path
     role: Role = Role.FRAME
     angle_deg: float | None = None
     light: NDArray[np.float64] | None = None
+    light_position_mm: NDArray[np.float64] | None = None
+    light_gain: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,8 @@ class Capture:
     frames : in the order in which they were planned
     tangent_zero_deg : tangent angle of the sample at turntable zero, from the view frame's x axis (AMC sessions)
     sphere_distance_radii : camera to sphere centre in sphere radii, if the operator measured it
+    picture_width_mm : how much of the sample the pictures' width covers, if the list of lights says so
+    remarks : what a person should know of how pictures and lights were paired
     digest : sha256 over the names and digests of all frames, to tell in a result what it was made from
     """
 
@@ -58,6 +64,8 @@ class Capture:
     tangent_zero_deg: float = 0.0
     sphere_distance_radii: float | None = None
     digest: str = ""
+    picture_width_mm: float | None = None
+    remarks: tuple[str, ...] = ()
 
     def having(self, role: Role) -> Iterator[CapturedFrame]:
         """Go through the frames of one role."""

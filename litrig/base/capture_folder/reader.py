@@ -1,6 +1,6 @@
 """Reading what was captured: a session's folder, or a plain folder of pictures with their poses beside.
 
-A plain folder holds pictures and an `.lp` (one light direction a picture), an `angles.csv` (`name,deg`), or both,
+A plain folder holds pictures and an `.lp` or a `.dome` (one light a picture), an `angles.csv` (`name,deg`), or both,
 paired by file name. What such a list does not name is left alone; what it names and is not there is an error.
 """
 
@@ -19,10 +19,12 @@ from litrig.base.capture_folder.bag import sha256_of
 from litrig.base.capture_folder.capture import Capture, CapturedFrame, Role
 from litrig.base.capture_folder.frame_line import check_frame_lines
 from litrig.base.capture_folder.journal import Entry, read_journal
+from litrig.base.capture_folder.pairing import find_pictures, in_order, listed
 from litrig.base.capture_folder.session_file import LARGEST_ANGLE_DEG, read_session_file
 from litrig.base.errors import FormatError, InputError
 from litrig.base.files import decode_text, read_limited, resolve_inside
-from litrig.base.lp import LightDirections, read_lp
+from litrig.base.light_files import read_lights
+from litrig.base.lights import Lights
 from litrig.base.pictures import is_picture
 
 ANGLES = "angles.csv"
@@ -54,22 +56,46 @@ def good_frames(entries: Iterable[Entry]) -> list[Entry]:
     return [latest[step] for step in sorted(latest)]
 
 
-def pair_lights(capture: Capture, lights: LightDirections, source: Path) -> Capture:
-    """Give each frame the direction that a list names for it; frames that it does not name are left out.
+def pair_lights(capture: Capture, lights: Lights, source: Path) -> Capture:
+    """Give each frame its light: by name, or in order where the list names none.
+
+    Frames that a list does not name are left out, and named in the capture's remarks.
 
     Raises
     ------
     InputError
-        The list names a picture that is not there.
+        The list names a picture that is not there, or names none and has more or fewer lights than there are pictures.
     """
     frames = {frame.path.name: frame for frame in capture.frames if frame.role is Role.FRAME}
-    missing = [name for name in lights.names if name not in frames]
-    if missing:
+    if lights.names is not None:
+        names = find_pictures(lights.names, frames, source, capture.folder)
+        left = sorted(set(frames) - set(names))
+        remarks = [f"{source}: has no light for {listed(left)}; left out"] if left else []
+    elif len(lights) == len(frames):
+        names = in_order(frames)
+        remarks = [
+            f"{source}: names no pictures; paired in their order, {names[0]} first; check that it is the lights'"
+        ]
+    else:
         raise InputError(
-            f"{source}: names {_some(missing)}, not found in {capture.folder}; copy the pictures or mend the names"
+            f"{source}: has {len(lights)} lights without names, and {capture.folder} {len(frames)} pictures; name them"
         )
-    paired = zip(lights.names, lights.directions, strict=True)
-    return replace(capture, frames=tuple(replace(frames[name], light=light) for name, light in paired))
+    paired = tuple(_lit(frames[name], lights, index) for index, name in enumerate(names))
+    return replace(
+        capture,
+        frames=paired,
+        picture_width_mm=lights.picture_width_mm,
+        remarks=(*capture.remarks, *remarks),
+    )
+
+
+def _lit(frame: CapturedFrame, lights: Lights, index: int) -> CapturedFrame:
+    return replace(
+        frame,
+        light=lights.directions[index],
+        light_position_mm=None if lights.positions_mm is None else lights.positions_mm[index],
+        light_gain=None if lights.gains is None else lights.gains[index],
+    )
 
 
 def turn_evenly(capture: Capture) -> Capture:
@@ -82,7 +108,7 @@ def turn_evenly(capture: Capture) -> Capture:
     """
     known = [frame.path.name for frame in capture.frames if frame.angle_deg is not None]
     if known:
-        raise InputError(f"{capture.folder}: {_some(known)} have turntable angles already; leave --even out")
+        raise InputError(f"{capture.folder}: {listed(known)} have turntable angles already; leave --even out")
     if any(frame.light is not None for frame in capture.frames):
         raise InputError(f"{capture.folder}: was shot under many lights, not in a turn; give it to litrig ptm fit")
     frames = [frame for frame in capture.frames if frame.role is Role.FRAME]
@@ -131,18 +157,22 @@ def _read_plain(folder: Path) -> Capture:
         raise InputError(f"{folder}: holds no picture; name a capture folder or a folder of pictures")
     digest = _digest((path.name, sha256_of(path)) for path in pictures)
     capture = Capture(folder, folder.resolve().name, tuple(CapturedFrame(path) for path in pictures), digest=digest)
-    lists = sorted(folder.glob("*.lp"))
+    lists = _lists(folder, ".lp") or _lists(folder, ".dome")
     if len(lists) > 1:
-        raise InputError(f"{folder}: holds {_some([path.name for path in lists])}; keep one .lp, or name it with --lp")
+        raise InputError(f"{folder}: holds {listed([path.name for path in lists])}; keep one .lp, or name it with --lp")
     angles = _read_angles(folder / ANGLES, {path.name for path in pictures}) if (folder / ANGLES).exists() else {}
     if lists:
         # The .lp says which pictures are meant; the angles of any others are left alone like their pictures.
-        lit = pair_lights(capture, read_lp(lists[0]), lists[0])
-        return replace(capture, frames=tuple(_turned(frame, angles) for frame in lit.frames))
+        lit = pair_lights(capture, read_lights(lists[0]), lists[0])
+        return replace(lit, frames=tuple(_turned(frame, angles) for frame in lit.frames))
     if angles:
         frames = {frame.path.name: frame for frame in capture.frames}
         return replace(capture, frames=tuple(_turned(frames[name], angles) for name in angles))
     return capture
+
+
+def _lists(folder: Path, ending: str) -> list[Path]:
+    return sorted(path for path in folder.iterdir() if path.suffix.lower() == ending)
 
 
 def _turned(frame: CapturedFrame, angles_deg: Mapping[str, float]) -> CapturedFrame:
@@ -181,7 +211,3 @@ def _parse_row(row: list[str]) -> tuple[str, float]:
 
 def _digest(items: Iterable[tuple[str, str]]) -> str:
     return hashlib.sha256("".join(f"{digest}  {name}\n" for name, digest in items).encode()).hexdigest()
-
-
-def _some(names: list[str]) -> str:
-    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")

@@ -23,7 +23,8 @@ from litrig.base.capture_folder.crate import write_crate
 from litrig.base.capture_folder.journal import Entry, Journal
 from litrig.base.errors import InputError
 from litrig.base.files import sync_folder, write_atomically
-from litrig.base.lp import LightDirections, write_lp
+from litrig.base.lights import Lights
+from litrig.base.lp import write_lp
 from litrig.base.radiometry import U8
 
 THUMB_WIDTH_PX = 160
@@ -103,7 +104,7 @@ class CaptureFolderWriter:
         self._digests[file] = digest
         return entry
 
-    def close(self, lights: LightDirections | None, *, version: str, instruments: Iterable[str], started: str) -> None:
+    def close(self, lights: Lights | None, *, version: str, instruments: Iterable[str], started: str) -> None:
         """End the session: exported light directions, description, and the manifests that make a valid bag of it."""
         if lights is not None:
             write_lp(self.folder / "data" / f"{self.object_id}.lp", lights)

@@ -19,7 +19,8 @@ from litrig.base.capture_folder.reader import read_capture
 from litrig.base.capture_folder.verify import verify_capture
 from litrig.base.capture_folder.writer import CaptureFolderWriter
 from litrig.base.errors import FormatError, InputError
-from litrig.base.lp import LightDirections, read_lp
+from litrig.base.lights import Lights
+from litrig.base.lp import read_lp
 
 
 def jpeg(brightness: int) -> bytes:
@@ -46,7 +47,7 @@ def shoot(folder: Path, frames: int = 3, *, close: bool = True) -> None:
             )
         if close:
             names = tuple(f"{step:06d}.jpg" for step in range(frames))
-            lights = LightDirections(names, np.array([[0.0, 0.6, 0.8]] * frames))
+            lights = Lights(names, np.array([[0.0, 0.6, 0.8]] * frames))
             writer.close(lights, version="1", instruments=["camera /dev/video0"], started="2026-01-01T00:00:00+00:00")
 
 
