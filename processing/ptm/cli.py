@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from processing.command_parts import FOLDER, JSON, PATH, check_output, echo_facts
+from processing.command_parts import FOLDER, PATH, check_output
+from processing.ptm.files.cli import convert, info
 
 if TYPE_CHECKING:
     import numpy as np
@@ -19,6 +20,10 @@ _WORST_SHOWN = 3
 @click.group()
 def ptm() -> None:
     """Make polynomial texture maps: pictures of a still object that can be lit anew."""
+
+
+ptm.add_command(info)
+ptm.add_command(convert)
 
 
 @ptm.command(epilog="Example: litrig ptm fit coin-session -o coin.ptm")
@@ -65,39 +70,14 @@ def fit(
     click.echo(f"{output}: {stack.shape[1]} × {stack.shape[0]} pixels, {colour.upper()}, {space} values")
 
 
-@ptm.command(name="info", epilog="Example: litrig ptm info coin.ptm --json")
-@click.argument("file", metavar="X.ptm", type=PATH)
-@JSON
-def ptm_info(file: Path, as_json: bool) -> None:
-    """Say what a polynomial texture map holds."""
-    from processing.ptm.files.ptm_file import read_ptm
-
-    material = read_ptm(file)
-    _, height, width, _ = material.coefficients.shape
-    echo_facts(
-        {
-            "width": width,
-            "height": height,
-            "colour": "rgb" if material.colour is None else "lrgb",
-            "space": material.space,
-            "coefficients": {
-                name: (round(float(term.min()), 6), round(float(term.max()), 6))
-                for name, term in zip(material.basis.names, material.coefficients, strict=True)
-            },
-            "source": material.source,
-        },
-        as_json,
-    )
-
-
 @ptm.command(epilog="Example: litrig ptm relight coin.ptm --light 0.7 0.2 -o raking.png")
-@click.argument("file", metavar="X.ptm", type=PATH)
+@click.argument("file", metavar="X", type=PATH)
 @click.option(
     "--light", type=float, nargs=2, metavar="U V", required=True, help="Light direction: to the right and up, -1..1."
 )
 @click.option("-o", "--output", metavar="IMAGE", type=PATH, required=True, help="PNG, JPEG, TIFF or EXR to write.")
 def relight(file: Path, light: tuple[float, float], output: Path) -> None:
-    """Make the picture of a polynomial texture map under a light.
+    """Make the picture of a material under a light: .ptm, .rti, .ptm.exr, or a web folder.
 
     The file's values become the picture's values as they are; an EXR gets linear light.
     """
@@ -106,12 +86,12 @@ def relight(file: Path, light: tuple[float, float], output: Path) -> None:
     from litrig.base.errors import InputError
     from litrig.base.pictures import write_codes, write_picture
     from litrig.base.radiometry import decode_srgb, to_u8
-    from processing.ptm.files.ptm_file import read_ptm
+    from processing.ptm.files.either import read_any
     from processing.ptm.relight import relight as evaluate
 
     if not light[0] ** 2 + light[1] ** 2 <= 1:
         raise InputError(f"a light at {light[0]:g}, {light[1]:g} is below the horizon; u² + v² must not exceed 1")
-    material = read_ptm(file)
+    material = read_any(file)
     values = evaluate(material, np.array(light))
     if output.suffix.lower() == ".exr":
         write_picture(output, decode_srgb(values) if material.space == "srgb" else values)

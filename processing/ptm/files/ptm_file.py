@@ -1,4 +1,4 @@
-"""`.ptm` files: PTM_FORMAT_RGB and PTM_FORMAT_LRGB of the HP format 1.1 and 1.2.
+"""`.ptm` files: PTM_FORMAT_RGB and PTM_FORMAT_LRGB of the HP format 1.1 and 1.2, and their packed kinds when read.
 
 A header in ASCII (version, format, width, height, six scales, six biases), then bytes: value = (code − bias)·scale in
 units where 255 is white, coefficients in the order u², v², uv, u, v, 1, rows from the bottom up. RGB holds three blocks
@@ -13,7 +13,7 @@ line of JSON. A file without it holds display values, as the field has it, and n
 import json
 import re
 from pathlib import Path
-from typing import NamedTuple, cast, get_args
+from typing import Any, NamedTuple, cast, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from litrig.base.files import write_atomically
 from litrig.base.version import litrig_version
 from processing.ptm.basis import PTM
 from processing.ptm.files.balance import balance
+from processing.ptm.files.ptm_jpeg import PLAIN_KIND, unpack
 from processing.ptm.files.quantise import ScaleBias, scale_bias
 from processing.ptm.model import Ptm, Space
 
@@ -45,6 +46,7 @@ _BYTES_PER_PIXEL = {"PTM_FORMAT_RGB": 3 * TERMS, "PTM_FORMAT_LRGB": TERMS + 3}
 
 class _Header(NamedTuple):
     interleaved: bool
+    packed: str
     format: str
     width: int
     height: int
@@ -79,30 +81,58 @@ def write_ptm(path: Path, ptm: Ptm) -> None:
 
 
 def read_ptm(path: Path) -> Ptm:
-    """Read an RGB or LRGB `.ptm` of version 1.1 or 1.2.
+    """Read an RGB or LRGB `.ptm` of version 1.1 or 1.2, plain or packed as JPEG.
 
     Raises
     ------
     InputError, FormatError
-        The file is missing, is no PTM, holds a kind that is not read (LUM, JPEG, look-up tables), or is shorter or
+        The file is missing, is no PTM, holds a kind that is not read (LUM, JPEG-LS, look-up tables), or is shorter or
         longer than its header says. Sizes are checked before memory is taken.
     """
+    header, remarks, payload = _read(path)
+    if payload is None:
+        with path.open("rb") as file:
+            file.seek(header.length)
+            payload = np.frombuffer(file.read(header.payload), np.uint8)
+    coefficients, colour = _decode(header, payload)
+    return Ptm(coefficients, colour, cast(Space, remarks["space"]), remarks["source"])
+
+
+def describe_ptm(path: Path) -> dict[str, Any]:
+    """Say what a `.ptm` holds, from its header unless it is packed; coefficients as far as their codes reach."""
+    header, remarks, _ = _read(path)
+    ends = [[step.scale * (code - step.bias) / 255 for code in (0, 255)] for step in header.steps]
+    return {
+        "width": header.width,
+        "height": header.height,
+        "basis": str(PTM),
+        "colour": "rgb" if header.format == "PTM_FORMAT_RGB" else "lrgb",
+        "space": remarks["space"],
+        "coefficients": {name: (min(pair), max(pair)) for name, pair in zip(PTM.names, ends, strict=True)},
+        "source": remarks["source"],
+    }
+
+
+def _read(path: Path) -> tuple[_Header, dict[str, str], U8 | None]:
+    """Read and check all but the pixels; of a packed file those too, for only they tell where it ends."""
     try:
         with path.open("rb") as file:
             header = _parse_header(path, file.read(_HEADER_BYTES))
-            rest = path.stat().st_size - header.length
-            if rest < header.payload:
-                raise FormatError(
-                    f"{path}: {header.width} × {header.height} pixels want {header.payload:,} bytes, the file has "
-                    f"{rest:,}; it was cut short, copy it again"
-                )
             file.seek(header.length)
-            payload = np.frombuffer(file.read(header.payload), np.uint8)
-            remarks = _parse_trailer(path, file.read(_HEADER_BYTES))
+            payload = None
+            if header.packed:
+                payload = unpack(path, file, header.packed, (header.height, header.width))
+            else:
+                rest = path.stat().st_size - header.length
+                if rest < header.payload:
+                    raise FormatError(
+                        f"{path}: {header.width} × {header.height} pixels want {header.payload:,} bytes, the file has "
+                        f"{rest:,}; it was cut short, copy it again"
+                    )
+                file.seek(header.payload, 1)
+            return header, _parse_trailer(path, file.read(_HEADER_BYTES)), payload
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check the path") from error
-    coefficients, colour = _decode(header, payload)
-    return Ptm(coefficients, colour, cast(Space, remarks["space"]), remarks["source"])
 
 
 def _format_header(ptm: Ptm, steps: tuple[ScaleBias, ...]) -> bytes:
@@ -127,7 +157,8 @@ def _parse_header(path: Path, start: bytes) -> _Header:
     found = _HEADER.match(start)
     if found is None:
         raise FormatError(f"{path}: not a PTM file of version 1.1 or 1.2, or its header is damaged; export it again")
-    kind = found[2].decode()
+    packed = found[2].decode() if found[2].decode() in PLAIN_KIND else ""
+    kind = PLAIN_KIND.get(packed, found[2].decode())
     width, height = int(found[3]), int(found[4])
     if kind not in _BYTES_PER_PIXEL:
         raise FormatError(f"{path}: is a {kind}, which is not read; export it as PTM_FORMAT_LRGB or PTM_FORMAT_RGB")
@@ -141,7 +172,8 @@ def _parse_header(path: Path, start: bytes) -> _Header:
     if max(map(abs, scales)) > _LARGEST_SCALE or max(map(abs, biases)) > _LARGEST_BIAS:
         raise FormatError(f"{path}: scale or bias is out of all range; export it again")
     steps = tuple(ScaleBias(scale, bias) for scale, bias in zip(scales, biases, strict=True))
-    return _Header(found[1] == b"1" and kind == "PTM_FORMAT_LRGB", kind, width, height, steps, found.end())
+    interleaved = kind == "PTM_FORMAT_LRGB" and (found[1] == b"1" or bool(packed))
+    return _Header(interleaved, packed, kind, width, height, steps, found.end())
 
 
 def _parse_trailer(path: Path, rest: bytes) -> dict[str, str]:
