@@ -15,12 +15,14 @@ from processing.mesh.builtin import builtin_mesh
 from processing.mesh.direction_map import read_directions
 from processing.mesh.fields import painted, turned
 from processing.mesh.model import Mesh
-from processing.ptm.files.ptm_file import read_ptm
+from processing.ptm.basis import PTM
+from processing.ptm.files.either import ENDINGS as PTM_ENDINGS
+from processing.ptm.files.either import holds_material, read_any
+from processing.ptm.model import Ptm
 from viewer.renderer import Renderer
 from viewer.save import save_flat, save_rendered
 from viewer.view import View
 
-PTM_ENDING = ".ptm"
 DEFAULT_SIZE_PX = (800, 800)
 DEFAULT_LIGHT = (-0.4, 0.4)
 DEFAULT_MESH = "torus"
@@ -67,11 +69,12 @@ def render_file(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
     name = file.name.lower()
     if name.endswith(either.ENDINGS):
         return _render_amc(file, output, staging)
-    if name.endswith(PTM_ENDING) and staging.mesh is None:
-        return _render_flat(file, output, staging)
-    if name.endswith(PTM_ENDING):
-        return _render_ptm_on_mesh(file, output, staging)
-    raise InputError(f"{file}: unknown ending; give a file that ends in {', '.join(either.ENDINGS)} or {PTM_ENDING}")
+    if holds_material(file):
+        return (
+            _render_flat(file, output, staging) if staging.mesh is None else _render_ptm_on_mesh(file, output, staging)
+        )
+    endings = ", ".join(either.ENDINGS + PTM_ENDINGS)
+    raise InputError(f"{file}: unknown ending; give a file that ends in {endings}, or a web folder")
 
 
 def _render_amc(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
@@ -121,7 +124,7 @@ def _render_flat(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
     if staging.mesh_options:
         options = ", ".join(staging.mesh_options)
         raise InputError(f"{file}: {options} would not change a flat PTM; leave it out, or name a mesh")
-    ptm = read_ptm(file)
+    ptm = _read_ptm(file)
     with Renderer() as renderer:
         values = renderer.render_ptm(ptm, staging.light or DEFAULT_LIGHT)
     save_flat(output, values, ptm)
@@ -131,7 +134,7 @@ def _render_flat(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
 def _render_ptm_on_mesh(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
     _refuse_grain(file, staging)
     mesh = builtin_mesh(staging.mesh or DEFAULT_MESH)
-    ptm = read_ptm(file)
+    ptm = _read_ptm(file)
     with Renderer() as renderer:
         picture = renderer.render_ptm_on_mesh(
             ptm,
@@ -143,6 +146,13 @@ def _render_ptm_on_mesh(file: Path, output: Path, staging: Staging) -> tuple[int
         )
     save_rendered(output, picture, staging.background_srgb)
     return _size_of(picture)
+
+
+def _read_ptm(file: Path) -> Ptm:
+    ptm = read_any(file)
+    if ptm.basis != PTM:
+        raise InputError(f"{file}: is an {ptm.basis}; only {PTM} is drawn here, so give it to litrig ptm relight")
+    return ptm
 
 
 def _size_of(picture: NDArray[np.float32]) -> tuple[int, int]:

@@ -6,6 +6,7 @@ cut in between finds the old file or the new one, never half of it.
 
 import itertools
 import os
+import shutil
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -64,6 +65,54 @@ def write_atomically(path: Path, content: bytes) -> None:
             raise InputError(
                 f"{path}: only {stored} of {len(content)} bytes could be written; free space and try again"
             )
+
+
+@contextmanager
+def making_folder(path: Path) -> Iterator[Path]:
+    """Hand out a temporary folder beside `path`; what is written there becomes `path` at the end, all or nothing.
+
+    Raises
+    ------
+    InputError
+        The folder above does not exist, `path` is there and is no empty folder, or the files cannot be written. Nothing
+        is left behind, also if the body raises.
+    """
+    temporary = path.parent / f".{os.getpid()}-{next(_temporary_numbers)}.part"
+    try:
+        check_new_folder(path)
+        temporary.mkdir()
+        yield temporary
+        for written in temporary.iterdir():
+            with written.open("rb") as file:
+                os.fsync(file.fileno())
+        sync_folder(temporary)
+        temporary.rename(path)
+        sync_folder(path.parent)
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be written ({error.strerror or error}); free space, or choose another name or folder"
+        ) from error
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def check_new_folder(path: Path) -> None:
+    """Refuse before the work a folder that could not be made after it, as `making_folder` does."""
+    if is_folder(path):
+        if any(path.iterdir()):
+            raise InputError(f"{path}: holds files already, which are never mixed; remove it, or choose another name")
+    elif os.path.lexists(path):
+        raise InputError(f"{path}: is there already and is no folder; choose another name")
+    elif not is_folder(path.absolute().parent):
+        raise InputError(f"{path}: the folder {path.parent} does not exist; create it first")
+
+
+def is_folder(path: Path) -> bool:
+    """Tell whether a path is a folder; one that no name could be is none."""
+    try:
+        return path.is_dir()
+    except OSError:
+        return False
 
 
 def read_limited(path: Path, most_bytes: int) -> bytes:

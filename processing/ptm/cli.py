@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
-from processing.command_parts import FOLDER, JSON, PATH, check_output, echo_facts
+from processing.command_parts import FOLDER, JSON, PATH
+from processing.ptm.files.cli import convert, info
 from processing.ptm.relighting.cli import relight
 
 if TYPE_CHECKING:
@@ -26,12 +27,21 @@ def ptm() -> None:
     """Make polynomial texture maps: pictures of a still object that can be lit anew."""
 
 
+ptm.add_command(info)
+ptm.add_command(convert)
 ptm.add_command(relight)
 
 
 @ptm.command(epilog="Example: litrig ptm fit coin-session -o coin.ptm")
 @FOLDER
-@click.option("-o", "--output", metavar="OUT", type=PATH, required=True, help="The file to write.")
+@click.option(
+    "-o",
+    "--output",
+    metavar="OUT",
+    type=PATH,
+    required=True,
+    help="What to write: .ptm, .rti (of hsh), .ptm.exr (floats), or a name without ending for a web folder.",
+)
 @click.option("--lp", type=PATH, metavar="FILE", help="Light directions, .lp or .dome; by default those of the folder.")
 @click.option(
     "--basis",
@@ -112,13 +122,13 @@ def fit(  # one option each
     was shot.
     """
     from litrig.base.console import reporting
-    from processing.ptm.files.ptm_file import choose_codes, write_ptm
+    from processing.ptm.files.either import check_form, choose_coder, write_any
     from processing.ptm.fit import FitSettings, open_fit
     from processing.ptm.quality import report_on
     from processing.stack import Stack
 
-    check_output(output, ".ptm")
     chosen = _basis(basis, terms)
+    check_form(output, chosen)
     capture, lights = _read_lit_frames(folder, lp, picture_width)
     settings = FitSettings(
         basis=chosen,
@@ -133,9 +143,9 @@ def fit(  # one option each
     )
     stack = Stack.of(capture)
     with reporting() as report, open_fit(stack, lights.directions, settings, source=capture.digest, report=report) as f:
-        codes = choose_codes(f, str(output))
-        worth = report_on(f, codes.stored)
-        write_ptm(output, f, codes, report)
+        coder = choose_coder(output, f)
+        worth = report_on(f, None if coder is None else coder.stored)
+        write_any(output, f, coder, report)
     names = [path.name for path in stack.paths]
     if as_json:
         click.echo(json.dumps(worth.facts(names)))
@@ -143,31 +153,6 @@ def fit(  # one option each
     click.echo("\n".join(worth.lines(names)))
     near = "" if settings.near is None else ", near lights"
     click.echo(f"{output}: {stack.shape[1]} × {stack.shape[0]} pixels, {chosen}, {settings.colour}, {space}{near}")
-
-
-@ptm.command(name="info", epilog="Example: litrig ptm info coin.ptm --json")
-@click.argument("file", metavar="X.ptm", type=PATH)
-@JSON
-def ptm_info(file: Path, as_json: bool) -> None:
-    """Say what a polynomial texture map holds."""
-    from processing.ptm.files.ptm_file import read_ptm
-
-    material = read_ptm(file)
-    _, height, width, _ = material.coefficients.shape
-    echo_facts(
-        {
-            "width": width,
-            "height": height,
-            "colour": "rgb" if material.colour is None else "lrgb",
-            "space": material.space,
-            "coefficients": {
-                name: (round(float(term.min()), 6), round(float(term.max()), 6))
-                for name, term in zip(material.basis.names, material.coefficients, strict=True)
-            },
-            "source": material.source,
-        },
-        as_json,
-    )
 
 
 class _Lit(NamedTuple):

@@ -6,6 +6,7 @@ from typing import Literal, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from processing.decoded import spread
 from processing.ptm.basis import PTM, Basis
 
 F32 = NDArray[np.float32]
@@ -62,7 +63,7 @@ class Ptm:
 
     def sample(self, count: int) -> "Strip":
         """Return about so many pixels from all over, as one row."""
-        columns = np.linspace(0, self.shape[0] * self.shape[1] - 1, count).astype(np.int64)
+        columns = spread(self.shape, count)
         terms, channels = self.coefficients.shape[0], self.coefficients.shape[3]
         coefficients = self.coefficients.reshape(terms, 1, -1, channels)[:, :, columns]
         return Strip(coefficients, None if self.colour is None else self.colour.reshape(1, -1, 3)[:, columns])

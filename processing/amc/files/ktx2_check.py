@@ -10,14 +10,12 @@ from pathlib import Path
 
 from litrig.base.errors import FormatError, InputError
 from processing.amc.files.ktx2_container import HEADER, IDENTIFIER, LEVEL_PLACE, Container, LevelPlace, Scheme, VkFormat
+from processing.limits import FREE_BYTES, LARGEST_RATIO
 
 LARGEST_SIDE = 2048
 """The side of a volume that every graphics card of the last decade takes."""
 LARGEST_BYTES = 4 << 30
 """Of all unpacked levels together."""
-LARGEST_RATIO = 200
-"""Unpacked to packed. Pictures stay below 10; what unpacks to little may pack as well as it likes."""
-FREE_BYTES = 64 << 20
 _HEAD_BYTES = 1 << 20
 _MEND = "build or copy it again"
 

@@ -13,11 +13,10 @@ import OpenEXR
 from numpy.typing import NDArray
 
 from litrig.base.errors import FormatError, InputError
-from litrig.base.files import replacing
-from litrig.base.quiet import quiet_library
 from litrig.base.version import litrig_version
-from processing.amc.files.low_rank_check import KEY, KIND, MEND, Layout, part_names, read_layout
+from processing.amc.files.low_rank_check import KEY, KIND, MEND, part_names, read_layout
 from processing.amc.low_rank import LowRankAmc
+from processing.exr_parts import read_parts, write_parts
 
 F32 = NDArray[np.float32]
 _LARGEST_HALF = float(np.finfo(np.float16).max)
@@ -44,11 +43,7 @@ def write_low_rank(path: Path, low: LowRankAmc, *, half_float: bool = False) -> 
         OpenEXR.Part({**_header(low), "name": name}, {channel: np.ascontiguousarray(values)})
         for name, (channel, values) in zip(part_names(len(low.pictures)), stored, strict=True)
     ]
-    with replacing(path) as temporary:
-        try:
-            OpenEXR.File(parts).write(str(temporary))
-        except RuntimeError as error:  # OpenEXR's word for a disk or folder that refuses
-            raise InputError(f"{path}: cannot be written as EXR; free space, or choose another folder") from error
+    write_parts(path, parts)
 
 
 def read_low_rank(path: Path) -> LowRankAmc:
@@ -62,7 +57,7 @@ def read_low_rank(path: Path) -> LowRankAmc:
         It is no low-rank AMC, contradicts itself, or is damaged.
     """
     layout = read_layout(path)
-    parts = _read_parts(path, layout)
+    parts = read_parts(path, layout.shapes(), MEND)
     valid = parts["valid"]["Y"]
     if not np.all((valid == 0) | (valid == 1)):
         raise FormatError(f"{path}: part valid holds other values than 0 and 1; compress the AMC again")
@@ -94,34 +89,3 @@ def _check(path: Path, low: LowRankAmc, half_float: bool) -> None:
     most = _LARGEST_HALF if half_float else float(np.finfo(np.float32).max)
     if not (np.all(np.abs(low.pictures) <= most) and np.all(np.isfinite(low.curves))):
         raise InputError(f"{path}: pictures or curves exceed {most:g} or are no numbers; scale or mend them")
-
-
-def _read_parts(path: Path, layout: Layout) -> dict[str, dict[str, F32]]:
-    """Read all pixels as float32 and see that they are what the head promised."""
-    try:
-        # OpenEXR says on standard output what it could not decode; it is said below, in one line.
-        with quiet_library(), OpenEXR.File(str(path)) as exr:
-            found = {
-                part.name(): {name: np.asarray(channel.pixels) for name, channel in part.channels.items()}
-                for part in exr.parts
-            }
-    except (RuntimeError, ValueError, OSError, IndexError) as error:
-        raise FormatError(f"{path}: damaged EXR ({error}); {MEND}") from error
-    # What OpenEXR cannot decode it leaves out: the part's pixels, or the part.
-    missing = [name for name in layout.shapes() if not found.get(name)]
-    if missing:
-        raise FormatError(f"{path}: damaged EXR (part {missing[0]} cannot be decoded); {MEND}")
-    return {name: _floats(path, name, found[name], shape) for name, shape in layout.shapes().items()}
-
-
-def _floats(path: Path, part: str, channels: dict[str, NDArray[Any]], shape: tuple[int, ...]) -> dict[str, F32]:
-    floats = {}
-    for channel, values in channels.items():
-        if values.dtype not in (np.float16, np.float32) or values.shape != shape:
-            raise FormatError(
-                f"{path}: part {part} holds {values.dtype} {values.shape}, not floats {shape}; compress the AMC again"
-            )
-        if not np.all(np.isfinite(values)):
-            raise FormatError(f"{path}: part {part} holds values that are no numbers; compress the AMC again")
-        floats[channel] = np.ascontiguousarray(values, np.float32)
-    return floats

@@ -74,7 +74,9 @@ def choose_rounding(sample: F32, gram: F64, weights: F32 | None = None) -> Round
     InputError
         A coefficient is not a finite number.
     """
-    bounds = [[_bounds(term, share) for share in _SHARES] for term in sample]
+    # A share of less than a pixel is none.
+    shares = [share for share in _SHARES if share == 0 or share * sample.shape[1] >= 1]
+    bounds = [[_bounds(term, share) for share in shares] for term in sample]
     some = np.ascontiguousarray(sample[:, :: max(1, sample.shape[1] // _TRIED)])
     weighing = np.ones(1) if weights is None else weights[:: max(1, sample.shape[1] // _TRIED)]
     ruin = _RUIN * max(1.0, float(np.quantile(np.sum(some * (gram @ some), axis=0), 0.9)))
@@ -90,12 +92,12 @@ def choose_rounding(sample: F32, gram: F64, weights: F32 | None = None) -> Round
         return float(np.sum(np.minimum(np.sum(lost * (gram @ lost), axis=0), ruin) * weighing))
 
     best = loss(chosen)
-    for pick in range(1, len(_SHARES)):  # all terms alike, then each on its own
+    for pick in range(1, len(shares)):  # all terms alike, then each on its own
         together = [pick] * len(sample)
         if (lost := loss(together)) < best:
             best, chosen = lost, together
     for term in range(len(sample)):
-        for pick in range(len(_SHARES)):
+        for pick in range(len(shares)):
             other = [*chosen[:term], pick, *chosen[term + 1 :]]
             if pick != chosen[term] and (lost := loss(other)) < best:
                 best, chosen = lost, other

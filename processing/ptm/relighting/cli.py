@@ -173,9 +173,9 @@ def _lights(
 
 
 def _read(file: Path) -> "Ptm":
-    from processing.ptm.files.ptm_file import read_ptm
+    from processing.ptm.files.either import read_any
 
-    return read_ptm(file)
+    return read_any(file)
 
 
 def _processed(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from processing.ptm.basis import PTM, Basis
-from processing.ptm.files.ptm_file import choose_codes
+from processing.ptm.files.ptm_file import ptm_coder
 from processing.ptm.fit import FitSettings, open_fit
 from processing.ptm.model import Colour
 from processing.ptm.quality import report_on
@@ -38,7 +38,7 @@ def test_leaving_out_is_what_a_fit_without_the_picture_predicts(basis: Basis, re
 @pytest.mark.parametrize("colour", ["rgb", "lrgb"])
 def test_each_light_fits_better_than_it_is_predicted(colour: Colour, relief: Stack) -> None:
     with open_fit(relief, LIGHTS, FitSettings(colour=colour)) as fitted:
-        report = report_on(fitted, choose_codes(fitted).stored)
+        report = report_on(fitted, ptm_coder(Path("x.ptm"), fitted).stored)
     assert np.all(report.left_out_db < report.per_light_db)
     assert report.stored_db is not None
     assert report.fit_db - 0.1 < report.stored_db < report.fit_db

@@ -163,7 +163,7 @@ HEADER = b"PTM_1.2\nPTM_FORMAT_LRGB\n2\n1\n" + SCALES + b"\n" + BIASES + b"\n"
         ),
         pytest.param(HEADER.replace(b"\n2\n1\n", b"\n0\n1\n"), "claims 0 × 1", id="no width"),
         pytest.param(
-            HEADER.replace(b"LRGB", b"JPEG_LRGB") + BLOCKS, "PTM_FORMAT_JPEG_LRGB, which is not read", id="a JPEG kind"
+            HEADER.replace(b"LRGB", b"JPEGLS_LRGB") + BLOCKS, "JPEGLS_LRGB, which is not read", id="a JPEG-LS kind"
         ),
         pytest.param(HEADER + BLOCKS + b"\n#litrig {", "line after the pixels is damaged", id="remarks cut short"),
         pytest.param(
