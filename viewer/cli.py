@@ -108,8 +108,8 @@ def render(
 ) -> None:
     """Draw a material into a picture; neither a display nor a graphics card is needed.
 
-    An Anisotropic MatCap (.amc.ktx2) is shown on a mesh, by default a torus. A PTM (.ptm) is relit flat at its own
-    size, its values as the picture's values; with --mesh it is laid on that mesh.
+    An Anisotropic MatCap (.amc.ktx2) is shown on a mesh, by default a torus. A PTM (.ptm, .ptm.exr or a web folder) is
+    relit flat at its own size, its values as the picture's values; with --mesh it is laid on that mesh.
     """
     from viewer.render_file import Staging, render_file
     from viewer.view import Projection, View

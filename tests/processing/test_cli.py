@@ -296,6 +296,15 @@ def test_a_number_of_terms_that_no_basis_has_is_wrong_usage(relief: Path, tmp_pa
     assert "ptm has 6 or 3" in result.output
 
 
+def test_lights_without_names_are_paired_in_order_and_it_is_said(relief: Path, tmp_path: Path) -> None:
+    lines = (relief / "relief.lp").read_text().splitlines()
+    (tmp_path / "bare.lp").write_text("\n".join(line.split(" ", 1)[-1] for line in lines))
+    result = run(ptm, "fit", relief, "-o", tmp_path / "x.ptm", "--lp", tmp_path / "bare.lp")
+    assert "bare.lp: names no pictures; paired in their order, light_000.png first" in result.stderr
+    run(ptm, "fit", relief, "-o", tmp_path / "y.ptm")
+    assert (tmp_path / "x.ptm").read_bytes() == (tmp_path / "y.ptm").read_bytes()
+
+
 def test_pictures_without_lights_are_refused(sphere: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"frame_0000\.png: its light is not known.*--lp"):
         run(ptm, "fit", sphere, "-o", tmp_path / "x.ptm")
@@ -306,6 +315,6 @@ def test_every_amc_command_has_help_and_an_example(words: list[str]) -> None:
     assert f"Example: litrig amc {words[0]}" in " ".join(run(amc, *words, "--help").output.split())
 
 
-@pytest.mark.parametrize("words", [["fit"], ["info"], ["relight"]])
+@pytest.mark.parametrize("words", [["fit"], ["info"], ["relight"], ["convert"]])
 def test_every_ptm_command_has_help_and_an_example(words: list[str]) -> None:
     assert f"Example: litrig ptm {words[0]}" in " ".join(run(ptm, *words, "--help").output.split())

@@ -13,13 +13,11 @@ import simplejpeg
 from numpy.typing import NDArray
 
 from litrig.base.errors import FormatError, InputError
-from processing.limits import FREE_BYTES
+from processing.limits import FREE_BYTES, LARGEST_RATIO
 
 U8 = NDArray[np.uint8]
 
 LARGEST_SIDE = 65_500
-# A plane of one value packs 256 to 1, with Huffman codes made for it.
-_LARGEST_RATIO = 300
 _START, _JFIF = b"\xff\xd8", b"\xff\xe0"
 _ADOBE = b"\xff\xee" + struct.pack(">H5sHHHB", 14, b"Adobe", 100, 0, 0, 0)
 
@@ -58,7 +56,7 @@ def decode_planes(path: Path, content: bytes, size: tuple[int, int], *, grey: bo
             wanted, found = ("grey", "colour") if grey else ("colour", "grey")
             raise FormatError(f"{name} is a {found} JPEG, not a {wanted} one; export it again")
         unpacked = height * width * (1 if grey else 3)
-        if unpacked > max(FREE_BYTES, len(content) * _LARGEST_RATIO):
+        if unpacked > max(FREE_BYTES, len(content) * LARGEST_RATIO):
             raise FormatError(f"{name} unpacks from {len(content):,} to {unpacked:,} bytes; refused")
         codes: U8 = simplejpeg.decode_jpeg(content, "GRAY" if grey else "RGB")
     except ValueError as error:

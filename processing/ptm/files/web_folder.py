@@ -8,6 +8,7 @@ those of HSH in that of the `.rti` format. The key `litrig` holds what others ha
 
 import json
 from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -134,6 +135,8 @@ def read_web_folder(path: Path) -> Ptm:
     order = layout.order()
     lrgb = layout.colour == "lrgb"
     planes = _decoded(path, layout)
+    # Memory is taken once a JPEG says the same size as the head.
+    planes = chain([next(planes)], planes)
     colour = np.stack([next(planes) for _ in range(3)], axis=-1) if lrgb else None
     coefficients = np.zeros((len(order), *layout.shape, 1 if lrgb else 3), np.float32)
     for term in order:

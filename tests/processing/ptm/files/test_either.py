@@ -192,7 +192,7 @@ with _good_files() as found:
     GOOD = found
 
 
-@settings(max_examples=150, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     name=st.sampled_from(sorted(GOOD)),
     edits=st.lists(st.tuples(st.floats(0, 1), st.sampled_from("=-+"), st.binary(min_size=1, max_size=12)), max_size=4),
@@ -219,7 +219,7 @@ def test_no_bytes_break_a_reader(name: str, edits: list[tuple[float, str, bytes]
             assert np.all(np.isfinite(material.coefficients))
 
 
-@settings(max_examples=100)
+@settings(max_examples=100, deadline=None)
 @given(st.sampled_from(["x.ptm", "x.rti", "x.ptm.exr", "x/info.json"]), st.binary(max_size=300))
 def test_no_noise_is_read(name: str, content: bytes) -> None:
     with tempfile.TemporaryDirectory() as folder:

@@ -107,6 +107,14 @@ def test_it_is_described_from_its_head(tmp_path: Path) -> None:
     assert facts["coefficients"] == dict.fromkeys(PTM.names, (-1, 1))
 
 
+def test_memory_is_taken_only_for_sizes_that_a_plane_confirms(tmp_path: Path) -> None:
+    """29 GB for 18 planes, of JPEGs of a few hundred bytes."""
+    material = {"scale": [1] * 18, "bias": [0] * 18}
+    folder = foreign_folder(tmp_path, planes=18, colorspace="rgb", width=20_000, height=20_000, materials=[material])
+    with pytest.raises(FormatError, match=r"plane_0\.jpg: is 24 × 16 pixels, where 20000 × 20000"):
+        read_web_folder(folder)
+
+
 NO_NUMBER = {"scale": [1] * 8 + [float("nan")], "bias": [0] * 9}
 
 
