@@ -6,7 +6,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from benchmarks import materials, memory, storage, viewing, wires
+from benchmarks import amc, amc_memory, ptm, storage, viewing, wires
 from benchmarks.measure import table
 
 TEXT = """# Benchmarks
@@ -23,6 +23,11 @@ Last run: Python {python}, {cores} cores, {machine}.
 Frames are streamed; what is held is the slices, which the table overwrites. Peaks of a process of its own.
 
 {memory}
+
+Pictures under many lights are needed all at once. Past the budget they lie in a temporary file, and what of it is
+mapped counts here too.
+
+{ptm_memory}
 """
 
 
@@ -30,18 +35,21 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         rows = [
-            *materials.comparisons(folder),
+            *ptm.comparisons(folder),
+            *amc.comparisons(folder),
             *viewing.comparisons(),
             *storage.comparisons(folder),
             *wires.comparisons(),
         ]
-        peaks = memory.report(folder)
+        peaks = amc_memory.report(folder)
+        ptm_peaks = ptm.memory(folder)
     page = TEXT.format(
         python=platform.python_version(),
         cores=os.cpu_count(),
         machine=platform.machine(),
         table=table(rows),
         memory=peaks,
+        ptm_memory=ptm_peaks,
     )
     Path(sys.argv[1]).write_text(page, encoding="utf-8")
     sys.stdout.write(page)

@@ -17,7 +17,7 @@ from processing.stack import Stack
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
-_PIXELS, _PIXELS_WEIGHTED = 12_000, 4_000
+_PIXELS, _PIXELS_WEIGHTED = 6_000, 4_000
 # A light that alone decides a coefficient cannot be left out.
 _LEAST_FREEDOM = 1e-3
 _WORST = 3

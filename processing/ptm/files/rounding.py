@@ -2,9 +2,8 @@
 
 Each coefficient on its own is off by up to half a step. But what a picture loses is a sum over terms, and they are far
 from independent: u² and v² are positive everywhere, like 1. So the terms are rounded one after the other, and each
-makes up for what those before have lost, in the mean over the lights; afterwards each is looked at again beside all
-others. Where the steps are chosen, a few extreme pixels are rather cut off than to have all others pay for them in
-coarser steps.
+makes up for what those before have lost, in the mean over the lights. Where the steps are chosen, a few extreme pixels
+are rather cut off than to have all others pay for them in coarser steps; their terms are gone over once more.
 """
 
 from collections.abc import Sequence
@@ -23,7 +22,7 @@ U8 = NDArray[np.uint8]
 _SHARES = (0.0, 1e-4, 1e-3, 4e-3, 1.5e-2)
 """Shares of the pixels that may lie outside a term's codes, at each end."""
 _TILE = 1024
-_SECOND_LOOKS = 1
+_SECOND_LOOKS = 3
 _TRIED = 4000
 # Beside the square of white, or of bright pixels where they are brighter.
 _RUIN = 0.06
@@ -38,7 +37,7 @@ class Rounding:
     steps : scale and bias of each term
     order : (T,) the terms, the coarsest first
     makes_up : (T, T) how much of what earlier terms have lost is added to a later one, both in `order`
-    settles : (T, T) how much of what all others have lost is added to a term when it is looked at again
+    settles : (T, T) how much of what all others have lost is added to a term of a pixel that was cut off
     """
 
     steps: tuple[ScaleBias, ...]
@@ -130,32 +129,60 @@ def _encode(
 ) -> None:
     terms, pixels = coefficients.shape
     lost = np.zeros((terms, _TILE), np.float32)
-    wanted = np.zeros(_TILE, np.float32)
+    wanted, cut = np.zeros(_TILE, np.float32), np.zeros(_TILE, np.uint8)
     for first in range(0, pixels, _TILE):
         stop = min(pixels, first + _TILE)
-        for turn in range(1 + _SECOND_LOOKS):
-            shares = settles if turn else makes_up
-            for place in range(terms):
-                term = order[place]
-                values = coefficients[term, first:stop]
-                wanted[: stop - first] = values
-                for other in range(terms if turn else place):
-                    if other != place:
-                        _make_up(shares[place, other], lost[other], wanted)
-                _round(values, wanted, scales[term], biases[term], codes[term, first:stop], lost[place])
+        cut[:] = 0
+        for place in range(terms):
+            term = order[place]
+            values = coefficients[term, first:stop]
+            wanted[: stop - first] = values
+            for other in range(place):
+                _make_up(makes_up[place, other], lost[other], wanted)
+            _round(values, wanted, scales[term], biases[term], codes[term, first:stop], lost[place], cut)
+        for pixel in range(stop - first):
+            if cut[pixel]:
+                _settle(coefficients, scales, biases, order, settles, codes, lost, first, pixel)
 
 
 @kernel
 def _make_up(share: np.float32, lost: F32, wanted: F32) -> None:
-    for place in range(len(wanted)):
-        wanted[place] += share * lost[place]
+    for pixel in range(len(wanted)):
+        wanted[pixel] += share * lost[pixel]
 
 
 @kernel
-def _round(values: F32, wanted: F32, scale: np.float32, bias: np.float32, codes: U8, lost: F32) -> None:
+def _round(values: F32, wanted: F32, scale: np.float32, bias: np.float32, codes: U8, lost: F32, cut: U8) -> None:
     each = np.float32(1) / scale
-    for place in range(len(values)):
-        code = min(max(wanted[place] * each + bias, np.float32(0)), np.float32(255))
+    for pixel in range(len(values)):
+        exact = wanted[pixel] * each + bias
+        code = min(max(exact, np.float32(0)), np.float32(255))
         whole = np.uint8(code + np.float32(0.5))
-        codes[place] = whole
-        lost[place] = values[place] - scale * (np.float32(whole) - bias)
+        codes[pixel] = whole
+        lost[pixel] = values[pixel] - scale * (np.float32(whole) - bias)
+        cut[pixel] |= np.uint8(exact != code)
+
+
+@kernel
+def _settle(
+    coefficients: F32,
+    scales: F32,
+    biases: F32,
+    order: NDArray[np.int64],
+    settles: F32,
+    codes: U8,
+    lost: F32,
+    first: int,
+    pixel: int,
+) -> None:
+    """Round the terms of one pixel again, each beside what all others have lost."""
+    for _ in range(_SECOND_LOOKS):
+        for place in range(len(order)):
+            term = order[place]
+            wanted = coefficients[term, first + pixel]
+            for other in range(len(order)):
+                wanted += settles[place, other] * lost[other, pixel]
+            code = min(max(wanted / scales[term] + biases[term], np.float32(0)), np.float32(255))
+            whole = np.uint8(code + np.float32(0.5))
+            codes[term, first + pixel] = whole
+            lost[place, pixel] = coefficients[term, first + pixel] - scales[term] * (np.float32(whole) - biases[term])

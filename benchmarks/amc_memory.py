@@ -1,6 +1,6 @@
 """How much memory a build takes above the interpreter, in a process of its own each.
 
-Usage: python -m benchmarks.memory FOLDER SLICES, which prints the peak in bytes before and after.
+Usage: python -m benchmarks.amc_memory FOLDER SLICES, which prints the peak in bytes before and after.
 """
 
 import json
@@ -9,7 +9,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from benchmarks.materials import turn_of
+from benchmarks.amc import turn_of
+from benchmarks.measure import peak_bytes
 from litrig.base.capture_folder.capture import Capture, CapturedFrame
 from processing.amc.build import build
 from processing.amc.files.ktx2 import write_amc
@@ -39,15 +40,9 @@ def report(folder: Path) -> str:
 
 def _measured(folder: Path, slices: int) -> tuple[int, int]:
     turn_of(folder, slices, SHAPE)
-    command = [sys.executable, "-m", "benchmarks.memory", str(folder), str(slices)]
+    command = [sys.executable, "-m", "benchmarks.amc_memory", str(folder), str(slices)]
     before, after = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
     return before, after
-
-
-def _peak_bytes() -> int:
-    """Read the high-water mark of this program; getrusage's is inherited from whoever started it."""
-    status = Path("/proc/self/status").read_text()
-    return int(status.split("VmHWM:")[1].split()[0]) * 1024
 
 
 def main() -> None:
@@ -58,12 +53,12 @@ def main() -> None:
     circle = Circle(SHAPE[1] / 2, SHAPE[0] / 2, radius)
     settings = Settings(size=16, circle=circle, depth=16, defects="ignore")
     build(Capture(folder, "sphere", frames[:: slices // 16]), settings)  # loads what is loaded once
-    before = _peak_bytes()
+    before = peak_bytes()
     settings = Settings(size=SIZE, circle=circle, depth=SIZE, invariance=slices // SIZE, defects="ignore")
     result = build(Capture(folder, "sphere", frames), settings)
     with tempfile.TemporaryDirectory() as out:
         write_amc(Path(out) / "x.amc.ktx2", result.amc)
-    sys.stdout.write(json.dumps([before, _peak_bytes()]))
+    sys.stdout.write(json.dumps([before, peak_bytes()]))
 
 
 if __name__ == "__main__":
