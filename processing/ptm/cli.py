@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from processing.command_parts import FOLDER, JSON, PATH, check_output, echo_facts
+from processing.ptm.lights.cli import lights
 
 if TYPE_CHECKING:
     import numpy as np
@@ -19,6 +20,9 @@ _WORST_SHOWN = 3
 @click.group()
 def ptm() -> None:
     """Make polynomial texture maps: pictures of a still object that can be lit anew."""
+
+
+ptm.add_command(lights)
 
 
 @ptm.command(epilog="Example: litrig ptm fit coin-session -o coin.ptm")

@@ -29,8 +29,12 @@ ANGLES = "angles.csv"
 LARGEST_ANGLES_BYTES = 4_000_000
 
 
-def read_capture(folder: Path) -> Capture:
+def read_capture(folder: Path, but_not: Path | None = None) -> Capture:
     """Read a capture folder or a plain folder.
+
+    Parameters
+    ----------
+    but_not : an `.lp` that is about to be written, and which an earlier run may have left in a plain folder
 
     Raises
     ------
@@ -42,7 +46,7 @@ def read_capture(folder: Path) -> Capture:
         raise InputError(f"{folder}: is a file; name the folder that holds the pictures")
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder; check the path")
-    return _read_session(folder) if layout.is_capture_folder(folder) else _read_plain(folder)
+    return _read_session(folder) if layout.is_capture_folder(folder) else _read_plain(folder, but_not)
 
 
 def good_frames(entries: Iterable[Entry]) -> list[Entry]:
@@ -125,13 +129,14 @@ def _session_frame(folder: Path, entry: Entry) -> CapturedFrame:
     )
 
 
-def _read_plain(folder: Path) -> Capture:
+def _read_plain(folder: Path, but_not: Path | None) -> Capture:
     pictures = sorted(path for path in folder.iterdir() if path.is_file() and is_picture(path))
     if not pictures:
         raise InputError(f"{folder}: holds no picture; name a capture folder or a folder of pictures")
     digest = _digest((path.name, sha256_of(path)) for path in pictures)
     capture = Capture(folder, folder.resolve().name, tuple(CapturedFrame(path) for path in pictures), digest=digest)
-    lists = sorted(folder.glob("*.lp"))
+    unread = None if but_not is None else but_not.absolute()
+    lists = [path for path in sorted(folder.glob("*.lp")) if path.absolute() != unread]
     if len(lists) > 1:
         raise InputError(f"{folder}: holds {_some([path.name for path in lists])}; keep one .lp, or name it with --lp")
     angles = _read_angles(folder / ANGLES, {path.name for path in pictures}) if (folder / ANGLES).exists() else {}

@@ -1,0 +1,134 @@
+"""The rim of a mirror ball to a fraction of a pixel.
+
+Near its rim a ball mirrors what lies behind it, squeezed, so that no model of its light holds there but the simplest:
+one level just inside, one just outside, in each direction for itself. Where the pixels between mix the two by halves is
+the rim. Directions without contrast have no say, and those that follow another edge are outvoted.
+"""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from litrig.base.camera_model import CameraModel
+from processing.amc.outline.circle import Circle
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+
+_STEP_PX = 0.25
+_BAND_SHARES, _NARROWEST_PX = (0.04, 0.025, 0.015), 3.0
+_FEWEST_SECTORS, _MOST_SECTORS, _LINES = 60, 360, 3
+_GAP_PX = 1.0
+_LEAST_CONTRAST = 4.0
+_LEAST_SHARE, _LEAST_ARC = 0.25, 3
+_RESWEEPS, _SOFT_PX = 12, 0.15
+_DARK_SHARE, _DARKEST = 0.1, 1e-12
+
+
+def sharpen(crops: F32, circle: Circle, camera: CameraModel | None) -> Circle:
+    """Fit an outline anew, starting from a circle that is off by a few hundredths of its radius.
+
+    Parameters
+    ----------
+    crops : (N, H, W) linear light under different lamps
+    camera : of perspective pictures, where the outline is an ellipse; circle and camera in pixels of the crops
+
+    Returns
+    -------
+    circle : centre and mean radius of the outline; what came in, where too little of the rim shows
+    """
+    usual = float(np.quantile(crops, 0.5)) + float(np.mean(np.minimum(crops, np.quantile(crops, 0.9))))
+    # The geometric mean over the lamps, in which a highlight or a shadow of one of them does not rule.
+    light = np.exp(np.log(crops + max(_DARK_SHARE * usual, _DARKEST)).mean(axis=0)).astype(np.float32)
+    found = circle
+    for share in _BAND_SHARES:
+        refit = _fit(light, found, max(share * circle.radius_px, _NARROWEST_PX), camera)
+        if refit is None:
+            return found
+        found = refit
+    return found
+
+
+def stretch(circle: Circle, camera: CameraModel | None) -> tuple[float, float]:
+    """Return how far a ball's outline is from a circle: ε and φ₀ in ρ(φ) = r·(1 + ε cos 2(φ − φ₀)), y downwards.
+
+    A cone of half-angle β whose axis is θ off the camera's makes an ellipse with its long axis towards the principal
+    point, and the ratio of its axes is cos β/√(cos² β − sin² θ).
+    """
+    if camera is None:
+        return 0.0, 0.0
+    focal_px = (camera.focal_x_px + camera.focal_y_px) / 2
+    x, y = circle.x_px - camera.centre_x_px, circle.y_px - camera.centre_y_px
+    off2 = np.sin(np.arctan(np.hypot(x, y) / focal_px)) ** 2
+    cos2 = 1 / (1 + (circle.radius_px / focal_px) ** 2)
+    if off2 >= cos2:
+        return 0.0, 0.0
+    ratio = np.sqrt(cos2 / (cos2 - off2))
+    return float((ratio - 1) / (ratio + 1)), float(np.arctan2(y, x))
+
+
+def _fit(light: F32, circle: Circle, band_px: float, camera: CameraModel | None) -> Circle | None:
+    amount, towards = stretch(circle, camera)
+    count = int(np.clip(2 * np.pi * circle.radius_px / _LINES, _FEWEST_SECTORS, _MOST_SECTORS))
+    azimuth = 2 * np.pi * (np.arange(count) + 0.5) / count
+    expected = circle.radius_px * (1 + amount * np.cos(2 * (azimuth - towards)))
+    offsets = np.arange(-2 * band_px, 2 * band_px + _STEP_PX / 2, _STEP_PX)
+    profiles = _profiles(light, circle, azimuth, expected, offsets)
+    rim, contrast = _edges(profiles, offsets, band_px)
+    seen = contrast > _LEAST_CONTRAST
+    spread = len(np.unique((azimuth[seen] * 8 / (2 * np.pi)).astype(int)))
+    if seen.mean() < _LEAST_SHARE or spread < _LEAST_ARC:
+        return None
+    design = np.stack([np.cos(azimuth), np.sin(azimuth), np.ones(count)], axis=1)[seen]
+    shift = np.array([0.0, 0.0, float(np.median(rim[seen]))])
+    for _ in range(_RESWEEPS):
+        left = rim[seen] - design @ shift
+        soft_px = max(1.4826 * float(np.median(np.abs(left))), _SOFT_PX)
+        weight = 1 / (1 + (left / soft_px) ** 2) ** 2
+        shift = np.linalg.lstsq(design * weight[:, None], rim[seen] * weight, rcond=None)[0]
+    if not np.abs(shift).max() < 2 * band_px:
+        return None
+    return Circle(circle.x_px + float(shift[0]), circle.y_px + float(shift[1]), circle.radius_px + float(shift[2]))
+
+
+def _profiles(light: F32, circle: Circle, azimuth: F64, expected_px: F64, offsets_px: F64) -> F64:
+    """Sample lines across the expected rim, each a mean of a few beside each other; (A, T)."""
+    beside = (np.arange(_LINES) - (_LINES - 1) / 2) / _LINES * (azimuth[1] - azimuth[0])
+    turn = (azimuth[:, None] + beside)[..., None]
+    radius = (expected_px[:, None] + offsets_px)[:, None, :]
+    columns = (circle.x_px + radius * np.cos(turn) - 0.5).astype(np.float32)
+    rows = (circle.y_px + radius * np.sin(turn) - 0.5).astype(np.float32)
+    flat = (len(azimuth) * _LINES, len(offsets_px))
+    sampled = cv2.remap(
+        light, columns.reshape(flat), rows.reshape(flat), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+    )
+    return sampled.reshape(len(azimuth), _LINES, -1).mean(axis=1, dtype=np.float64)
+
+
+def _edges(profiles: F64, offsets_px: F64, band_px: float) -> tuple[F64, F64]:
+    """Find in each profile the strongest step within the band: its place (A,), and its height over the noise (A,)."""
+    side = max(int(band_px / _STEP_PX) // 2, 4)
+    gap = int(_GAP_PX / _STEP_PX)
+    sums = np.concatenate([np.zeros((len(profiles), 1)), np.cumsum(profiles, axis=1)], axis=1)
+    squares = np.concatenate([np.zeros((len(profiles), 1)), np.cumsum(profiles**2, axis=1)], axis=1)
+    places = np.nonzero(np.abs(offsets_px) <= band_px)[0]
+    places = places[(places >= gap + side) & (places + gap + side < profiles.shape[1])]
+    inner, outer = (places - gap - side, places - gap), (places + gap + 1, places + gap + 1 + side)
+    levels = [(sums[:, stop] - sums[:, start]) / side for start, stop in (inner, outer)]
+    noise = [
+        (squares[:, stop] - squares[:, start]) / side - level**2
+        for (start, stop), level in zip((inner, outer), levels, strict=True)
+    ]
+    deviation = np.sqrt(np.maximum(noise[0] + noise[1], 0) / 2)
+    # Quantisation and rounding keep a flat profile from being infinitely sure.
+    floor = 1e-3 * profiles.mean(axis=1, keepdims=True) + _DARKEST
+    step = np.abs(levels[1] - levels[0])
+    best = np.argmax(step - deviation, axis=1)
+    lines = np.arange(len(profiles))
+    low, high = levels[0][lines, best], levels[1][lines, best]
+    centre = places[best]
+    window = centre[:, None] + np.arange(-gap, gap + 1)
+    outside = (profiles[lines[:, None], window] - low[:, None]) / np.where(high == low, 1, high - low)[:, None]
+    # A step blurred by anything symmetric, read off its area: what is not yet outside lies inside.
+    rim = offsets_px[centre] + _STEP_PX * ((2 * gap + 1) / 2 - outside.clip(-0.5, 1.5).sum(axis=1))
+    return rim, step[lines, best] / (deviation[lines, best] + floor[:, 0])
