@@ -47,19 +47,15 @@ class Turn:
         guesses = candidates(self.pictures.mean(axis=-1))
         for weigh in (weigh_turn, weigh_apart):
             for guess in guesses:
-                limb = self.home_in(Limb(*guess), weigh)
+                limb = Limb(*guess)
+                for share in (_COARSE_SHARE, _FINE_SHARE, _SHARP_SHARE):
+                    limb = self._refine(limb, share, weigh)
                 if limb.evidence >= _BEYOND_DOUBT:
                     return limb, weigh
                 # A highlight may be rounder than a rim in the dark, but it is smaller.
                 if limb.evidence * limb.radius_px > best.evidence * best.radius_px:
                     best, way = limb, weigh
         return best, way
-
-    def home_in(self, limb: Limb, weigh: Weigh) -> Limb:
-        """Refine a circle that is off by a tenth of its radius, in ever narrower bands."""
-        for share in (_COARSE_SHARE, _FINE_SHARE, _SHARP_SHARE):
-            limb = self._refine(limb, share, weigh)
-        return limb
 
     def sharpen(self, limb: Limb, weigh: Weigh, centres_px: F64 | None = None) -> Limb:
         """Refine a circle with the blur that the pictures have; `centres_px` (N, 2), if it moves."""

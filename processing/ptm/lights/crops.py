@@ -63,14 +63,15 @@ class CropFrame:
 
     def inner_mirror(self, mirror: Mirror) -> Mirror:
         """Return a ball in pixels of the crops."""
-        return Mirror(self.inner(mirror.circle), None if mirror.camera is None else self._inner_camera(mirror.camera))
+        return Mirror(self.inner(mirror.circle), None if mirror.camera is None else self.inner_camera(mirror.camera))
 
     def outer_highlight(self, found: Highlight) -> Highlight:
         """Return a highlight in pixels of the pictures."""
         x_px, y_px = found.x_px * self.factor + self.left_px, found.y_px * self.factor + self.top_px
         return Highlight(x_px, y_px, found.spread_px * self.factor, found.flags)
 
-    def _inner_camera(self, camera: CameraModel) -> CameraModel:
+    def inner_camera(self, camera: CameraModel) -> CameraModel:
+        """Return a camera of the pictures as that of the crops."""
         return camera.model_copy(
             update={
                 "width": max(1, self.width_px // self.factor),

@@ -19,7 +19,7 @@ from processing.ptm.lights.crops import CropFrame, cut_out
 from processing.ptm.lights.edits import Edits
 from processing.ptm.lights.highlight import Highlight, find_highlights
 from processing.ptm.lights.mirror import Mirror, camera_at
-from processing.ptm.lights.rim import sharpen
+from processing.ptm.lights.rim import fit_rim, usual_light
 from processing.ptm.lights.survey import find_balls
 from processing.stack import Stack
 
@@ -113,7 +113,7 @@ def estimate_lights(paths: Sequence[Path], ways: Ways | None = None, report: Rep
             "calibrate at the size of the capture"
         )
     given = ways.circles or tuple(Circle(ball.x_px, ball.y_px, ball.radius_px) for ball in edits.ball)
-    circles = [_inside(circle, shape, paths[0]) for circle in given] or find_balls(stack, report)
+    circles = [_inside(circle, shape, paths[0]) for circle in given] or find_balls(stack, camera, report)
     frames = [CropFrame.around(circle, shape) for circle in circles]
     crops = cut_out(stack, frames, report)
     balls = _seen_by(camera, circles, ways.distance_radii, shape)
@@ -137,7 +137,8 @@ def _seen_by(
 
 def _sharpened(crop: F32, frame: CropFrame, ball: Mirror) -> Circle:
     inner = frame.inner_mirror(ball)
-    return frame.outer(sharpen(crop, inner.circle, inner.camera))
+    rim = fit_rim(usual_light(crop), inner.circle, inner.camera)
+    return ball.circle if rim is None else frame.outer(rim.circle)
 
 
 def _look(crop: F32, frame: CropFrame, ball: Mirror) -> list[Highlight | None]:

@@ -138,6 +138,7 @@ def _measure(weights: F32, mirror: Mirror) -> _Blob:
     pixel_rad2 = (2 * _PIXEL_DEVIATION / mirror.circle.radius_px) ** 2
     roundness = np.sqrt((spread[0] + pixel_rad2) / (spread[1] + pixel_rad2))
     spread_px = float(np.sqrt(share @ np.sum((places - middle) ** 2, axis=1)))
-    return _Blob(
-        float(middle[0]), float(middle[1]), spread_px, float(np.sqrt(spread.sum())), float(light.sum() * roundness)
-    )
+    # What the blur alone would show says nothing about the lamp.
+    blur_rad2 = 2 * (2 * _BLUR_PX / mirror.circle.radius_px) ** 2
+    spread_rad = float(np.sqrt(max(spread.sum() - blur_rad2, 0)))
+    return _Blob(float(middle[0]), float(middle[1]), spread_px, spread_rad, float(light.sum() * roundness))

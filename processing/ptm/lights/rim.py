@@ -5,48 +5,76 @@ one level just inside, one just outside, in each direction for itself. Where the
 the rim. Directions without contrast have no say, and those that follow another edge are outvoted.
 """
 
+from typing import NamedTuple
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.camera_model import CameraModel
-from processing.amc.outline.circle import Circle
+from processing.amc.outline.circle import SMALLEST_RADIUS_PX, Circle
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
 _STEP_PX = 0.25
-_BAND_SHARES, _NARROWEST_PX = (0.04, 0.025, 0.015), 3.0
+_BAND_SHARES, _NARROWEST_PX = (0.12, 0.06, 0.03, 0.015), 3.0
 _FEWEST_SECTORS, _MOST_SECTORS, _LINES = 60, 360, 3
 _GAP_PX = 1.0
 _LEAST_CONTRAST = 4.0
-_LEAST_SHARE, _LEAST_ARC = 0.25, 3
+_LEAST_SHARE, _LEAST_ARC = 0.2, 3
+_AGREES_PX, _AGREES_SHARE = 0.7, 0.01
 _RESWEEPS, _SOFT_PX = 12, 0.15
-_DARK_SHARE, _DARKEST = 0.1, 1e-12
+_DARK_QUANTILE, _BRIGHT_QUANTILE, _DARK_SHARE, _DARKEST = 0.01, 0.9, 0.005, 1e-12
 
 
-def sharpen(crops: F32, circle: Circle, camera: CameraModel | None) -> Circle:
-    """Fit an outline anew, starting from a circle that is off by a few hundredths of its radius.
+class Rim(NamedTuple):
+    """An outline, and the share of it, 0..1, that is seen where the circle says."""
+
+    circle: Circle
+    agreement: float
+
+
+def usual_light(crops: F32) -> F32:
+    """Return the geometric mean (H, W) over lamps, in which a highlight or a shadow of one of them does not rule.
 
     Parameters
     ----------
-    crops : (N, H, W) linear light under different lamps
-    camera : of perspective pictures, where the outline is an ellipse; circle and camera in pixels of the crops
+    crops : (N, H, W) linear light
+    """
+    light: F32 = np.exp(logarithms(crops).mean(axis=0)).astype(np.float32)
+    return light
+
+
+def logarithms(greys: F32) -> F32:
+    """Return log(light), less steep below the darkest that there is, where noise and rounding are all."""
+    positive = greys[greys > 0]
+    if not positive.size:
+        return np.zeros_like(greys)
+    darkest, bright = (float(light) for light in np.quantile(positive, [_DARK_QUANTILE, _BRIGHT_QUANTILE]))
+    steep: F32 = np.log(np.maximum(greys, 0) + np.float32(darkest + _DARK_SHARE * bright))
+    return steep
+
+
+def fit_rim(light: F32, circle: Circle, camera: CameraModel | None = None) -> Rim | None:
+    """Fit an outline, starting from a circle that is off by a tenth of its radius at most.
+
+    Parameters
+    ----------
+    light : (H, W) linear
+    camera : of perspective pictures, where the outline is an ellipse; circle and camera in the picture's pixels
 
     Returns
     -------
-    circle : centre and mean radius of the outline; what came in, where too little of the rim shows
+    rim : centre and mean radius of the outline; None where too little of a rim shows
     """
-    usual = float(np.quantile(crops, 0.5)) + float(np.mean(np.minimum(crops, np.quantile(crops, 0.9))))
-    # The geometric mean over the lamps, in which a highlight or a shadow of one of them does not rule.
-    light = np.exp(np.log(crops + max(_DARK_SHARE * usual, _DARKEST)).mean(axis=0)).astype(np.float32)
-    found = circle
+    rim = Rim(circle, 0.0)
     for share in _BAND_SHARES:
-        refit = _fit(light, found, max(share * circle.radius_px, _NARROWEST_PX), camera)
-        if refit is None:
-            return found
-        found = refit
-    return found
+        found = _fit(light, rim.circle, max(share * circle.radius_px, _NARROWEST_PX), camera)
+        if found is None:
+            return None
+        rim = found
+    return rim
 
 
 def stretch(circle: Circle, camera: CameraModel | None) -> tuple[float, float]:
@@ -67,7 +95,7 @@ def stretch(circle: Circle, camera: CameraModel | None) -> tuple[float, float]:
     return float((ratio - 1) / (ratio + 1)), float(np.arctan2(y, x))
 
 
-def _fit(light: F32, circle: Circle, band_px: float, camera: CameraModel | None) -> Circle | None:
+def _fit(light: F32, circle: Circle, band_px: float, camera: CameraModel | None) -> Rim | None:
     amount, towards = stretch(circle, camera)
     count = int(np.clip(2 * np.pi * circle.radius_px / _LINES, _FEWEST_SECTORS, _MOST_SECTORS))
     azimuth = 2 * np.pi * (np.arange(count) + 0.5) / count
@@ -86,9 +114,11 @@ def _fit(light: F32, circle: Circle, band_px: float, camera: CameraModel | None)
         soft_px = max(1.4826 * float(np.median(np.abs(left))), _SOFT_PX)
         weight = 1 / (1 + (left / soft_px) ** 2) ** 2
         shift = np.linalg.lstsq(design * weight[:, None], rim[seen] * weight, rcond=None)[0]
-    if not np.abs(shift).max() < 2 * band_px:
+    fitted = Circle(circle.x_px + float(shift[0]), circle.y_px + float(shift[1]), circle.radius_px + float(shift[2]))
+    if not (np.abs(shift).max() < 2 * band_px and fitted.radius_px >= SMALLEST_RADIUS_PX):
         return None
-    return Circle(circle.x_px + float(shift[0]), circle.y_px + float(shift[1]), circle.radius_px + float(shift[2]))
+    agrees = np.abs(rim[seen] - design @ shift) < max(_AGREES_SHARE * circle.radius_px, _AGREES_PX)
+    return Rim(fitted, float(np.count_nonzero(agrees)) / count)
 
 
 def _profiles(light: F32, circle: Circle, azimuth: F64, expected_px: F64, offsets_px: F64) -> F64:
@@ -102,7 +132,8 @@ def _profiles(light: F32, circle: Circle, azimuth: F64, expected_px: F64, offset
     sampled = cv2.remap(
         light, columns.reshape(flat), rows.reshape(flat), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
     )
-    return sampled.reshape(len(azimuth), _LINES, -1).mean(axis=1, dtype=np.float64)
+    lines: F64 = sampled.reshape(len(azimuth), _LINES, -1).mean(axis=1, dtype=np.float64)
+    return lines
 
 
 def _edges(profiles: F64, offsets_px: F64, band_px: float) -> tuple[F64, F64]:
