@@ -1,7 +1,7 @@
 """The balls cut out of every picture: all that the search for highlights needs to keep."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -86,14 +86,18 @@ class CropFrame:
 
 def cut_out(stack: Stack, frames: Sequence[CropFrame], report: Report) -> list[F32]:
     """Cut the balls out of every picture, each (N, h, w) linear grey."""
-    height, width = stack.shape
+    # Of large pictures no more is held than the part with all balls in it.
+    left, top = min(frame.left_px for frame in frames), min(frame.top_px for frame in frames)
+    right = max(frame.left_px + frame.width_px for frame in frames)
+    bottom = max(frame.top_px + frame.height_px for frame in frames)
+    inner = [replace(frame, left_px=frame.left_px - left, top_px=frame.top_px - top) for frame in frames]
 
     def cut(_index: int, picture: F32) -> list[F32]:
         grey = picture.mean(axis=-1)
-        return [frame.cut(grey) for frame in frames]
+        return [frame.cut(grey) for frame in inner]
 
     crops: list[list[F32]] = []
-    for index, parts in enumerate(stack.each((slice(0, height), slice(0, width)), cut)):
+    for index, parts in enumerate(stack.each((slice(top, bottom), slice(left, right)), cut)):
         crops.append(parts)
         report(Progress("looking at the balls", index + 1, len(stack), stack.paths[index].name))
     return [np.stack(parts) for parts in zip(*crops, strict=True)]

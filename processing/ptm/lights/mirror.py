@@ -29,7 +29,7 @@ class Mirror:
 
     Attributes
     ----------
-    circle : its outline; away from the camera's axis the outline is an ellipse, and this the circle nearest to it
+    circle : its outline; away from the camera's axis that is an ellipse with this centre and this mean radius
     camera : pinhole model of the pictures, whose distortion has been taken out; None for orthographic pictures
     """
 
@@ -83,7 +83,9 @@ class Mirror:
     def _centre(self) -> F64:
         """Fit the cone of the outline: u·w = 1 with w = c/cos βmax, linear in w and exact for the true ellipse."""
         turn = 2 * np.pi * np.arange(_OUTLINE_POINTS) / _OUTLINE_POINTS
-        around = np.stack([np.cos(turn), np.sin(turn)], axis=1) * self.circle.radius_px
+        amount, towards = stretch(self.circle, self.camera)
+        radius_px = self.circle.radius_px * (1 + amount * np.cos(2 * (turn - towards)))
+        around = radius_px[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)
         rays = self._rays(around + np.array([self.circle.x_px, self.circle.y_px]))
         slant = np.linalg.lstsq(rays, np.ones(len(rays)), rcond=None)[0]
         length = np.linalg.norm(slant)
@@ -96,6 +98,24 @@ class Mirror:
         y = (self.camera.centre_y_px - places_px[:, 1]) / self.camera.focal_y_px
         rays = np.stack([x, y, np.full_like(x, -1.0)], axis=1)
         return np.asarray(rays / np.linalg.norm(rays, axis=1, keepdims=True))
+
+
+def stretch(circle: Circle, camera: CameraModel | None) -> tuple[float, float]:
+    """Return how far a ball's outline is from a circle: ε and φ₀ in ρ(φ) = r·(1 + ε cos 2(φ − φ₀)), y downwards.
+
+    A cone of half-angle β whose axis is θ off the camera's makes an ellipse with its long axis towards the principal
+    point, and the ratio of its axes is cos β/√(cos² β − sin² θ).
+    """
+    if camera is None:
+        return 0.0, 0.0
+    focal_px = (camera.focal_x_px + camera.focal_y_px) / 2
+    x, y = circle.x_px - camera.centre_x_px, circle.y_px - camera.centre_y_px
+    off2 = np.sin(np.arctan(np.hypot(x, y) / focal_px)) ** 2
+    cos2 = 1 / (1 + (circle.radius_px / focal_px) ** 2)
+    if off2 >= cos2:
+        return 0.0, 0.0
+    ratio = np.sqrt(cos2 / (cos2 - off2))
+    return float((ratio - 1) / (ratio + 1)), float(np.arctan2(y, x))
 
 
 def camera_at(distance_radii: float, circle: Circle, shape: tuple[int, int]) -> CameraModel:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from litrig.base.camera_model import CameraModel
 from processing.amc.outline.circle import SMALLEST_RADIUS_PX, Circle
+from processing.ptm.lights.mirror import stretch
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -75,24 +76,6 @@ def fit_rim(light: F32, circle: Circle, camera: CameraModel | None = None) -> Ri
             return None
         rim = found
     return rim
-
-
-def stretch(circle: Circle, camera: CameraModel | None) -> tuple[float, float]:
-    """Return how far a ball's outline is from a circle: ε and φ₀ in ρ(φ) = r·(1 + ε cos 2(φ − φ₀)), y downwards.
-
-    A cone of half-angle β whose axis is θ off the camera's makes an ellipse with its long axis towards the principal
-    point, and the ratio of its axes is cos β/√(cos² β − sin² θ).
-    """
-    if camera is None:
-        return 0.0, 0.0
-    focal_px = (camera.focal_x_px + camera.focal_y_px) / 2
-    x, y = circle.x_px - camera.centre_x_px, circle.y_px - camera.centre_y_px
-    off2 = np.sin(np.arctan(np.hypot(x, y) / focal_px)) ** 2
-    cos2 = 1 / (1 + (circle.radius_px / focal_px) ** 2)
-    if off2 >= cos2:
-        return 0.0, 0.0
-    ratio = np.sqrt(cos2 / (cos2 - off2))
-    return float((ratio - 1) / (ratio + 1)), float(np.arctan2(y, x))
 
 
 def _fit(light: F32, circle: Circle, band_px: float, camera: CameraModel | None) -> Rim | None:
