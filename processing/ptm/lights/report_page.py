@@ -60,12 +60,17 @@ def _directions(folder: Path, session: Session) -> Section:
 
 
 def _row(light: Light) -> list[str]:
-    remarks = ", ".join(part for part in (*light.flags, light.left_out and f"left out: {light.left_out}") if part)
+    remarks = _remarks(light)
     if light.direction is None:
         return [light.name, "", "", "", "", remarks]
     azimuth_deg, elevation_deg = angles_from_direction(light.direction)
     between = "" if light.residual_deg is None else f"{light.residual_deg:.2f}"
     return [light.name, f"{azimuth_deg:.2f}", f"{elevation_deg:.2f}", f"{light.deviation_deg:.2f}", between, remarks]
+
+
+def _remarks(light: Light) -> str:
+    doubts = [flag for flag in light.flags if flag != light.left_out]
+    return ", ".join([*doubts, *([f"left out: {light.left_out}"] if light.left_out else [])])
 
 
 def _cell(session: Session, ball: int, index: int, white: float) -> U8:
@@ -83,7 +88,7 @@ def _cell(session: Session, ball: int, index: int, white: float) -> U8:
         colour = _DOUBTFUL if found.flags or light.left_out else _GOOD
         x, y = (found.x_px - frame.left_px) / frame.factor * scale, (found.y_px - frame.top_px) / frame.factor * scale
         _draw_cross(picture, x, y, colour)
-    remarks = ", ".join(part for part in (*light.flags, light.left_out) if part)
+    remarks = _remarks(light)
     caption = np.zeros((_CAPTION_PX * (2 if remarks else 1), _CELL_PX, 3), np.uint8)
     for line, (words, ink) in enumerate([(light.name, _INK), (remarks, _DOUBTFUL)]):
         cv2.putText(caption, words, (3, 13 + line * _CAPTION_PX), cv2.FONT_HERSHEY_SIMPLEX, 0.4, ink, 1, cv2.LINE_AA)

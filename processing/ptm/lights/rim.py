@@ -20,7 +20,7 @@ F64 = NDArray[np.float64]
 
 _STEP_PX = 0.25
 _BAND_SHARES, _NARROWEST_PX = (0.12, 0.06, 0.03, 0.015), 3.0
-_FEWEST_SECTORS, _MOST_SECTORS, _LINES = 60, 360, 3
+_FEWEST_SECTORS, _MOST_SECTORS, _SECTOR_PX, _LINES = 60, 360, 3.0, 3
 _GAP_PX = 1.0
 _LEAST_CONTRAST = 4.0
 _LEAST_SHARE, _LEAST_ARC = 0.2, 3
@@ -80,7 +80,7 @@ def fit_rim(light: F32, circle: Circle, camera: CameraModel | None = None) -> Ri
 
 def _fit(light: F32, circle: Circle, band_px: float, camera: CameraModel | None) -> Rim | None:
     amount, towards = stretch(circle, camera)
-    count = int(np.clip(2 * np.pi * circle.radius_px / _LINES, _FEWEST_SECTORS, _MOST_SECTORS))
+    count = int(np.clip(2 * np.pi * circle.radius_px / _SECTOR_PX, _FEWEST_SECTORS, _MOST_SECTORS))
     azimuth = 2 * np.pi * (np.arange(count) + 0.5) / count
     expected = circle.radius_px * (1 + amount * np.cos(2 * (azimuth - towards)))
     offsets = np.arange(-2 * band_px, 2 * band_px + _STEP_PX / 2, _STEP_PX)

@@ -20,7 +20,6 @@ from processing.ptm.lights.rim import Rim, fit_rim, logarithms, usual_light
 from processing.stack import Stack
 
 F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
 
 _MOST_FRAMES = 16
 # A ball that fills the frame is searched in a small picture; one beside a large object in a larger one.
