@@ -7,6 +7,7 @@ from litrig.base.table_normals import TableNormal
 from processing.ptm.model import Colour
 from tests.oracle.measure import (
     fabric_verdict,
+    light_errors,
     perspective_error,
     predict_brushing,
     ptm_fit,
@@ -77,6 +78,26 @@ def fabrics(studio: Studio) -> str:
 def relighting(studio: Studio) -> str:
     """Fit a PTM, through the file and back, beside NumPy's least squares in double precision."""
     return _table(("PTM", "ours, dB", "float least squares, dB", "lost, dB"), (_ptm(studio, c) for c in COLOURS))
+
+
+def mirror_balls(studio: Studio) -> str:
+    """Read light directions off a chrome ball."""
+    return _table(
+        ("camera at, radii", "mean, deg", "most, deg", "taken for orthographic: mean, deg", "outline off, % of R"),
+        (_mirror_ball(studio, distance) for distance in (None, *DISTANCES_RADII)),
+    )
+
+
+def _mirror_ball(studio: Studio, distance_radii: float | None) -> Row:
+    errors = light_errors(studio, distance_radii)
+    naive = light_errors(studio, distance_radii, ignore_distance=True)
+    figures = (
+        f"{errors.mean_deg:.2f}",
+        f"{errors.most_deg:.2f}",
+        f"{naive.mean_deg:.2f}",
+        f"{errors.outline:.2%}"[:-1],
+    )
+    return _camera(distance_radii), *figures
 
 
 def _brushing(studio: Studio, name: str, distance_radii: float | None) -> Row:

@@ -9,6 +9,7 @@ import click
 
 from processing.command_parts import FOLDER, JSON, PATH
 from processing.ptm.files.cli import convert, info
+from processing.ptm.lights.cli import lights
 from processing.ptm.relighting.cli import relight
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ def ptm() -> None:
 ptm.add_command(info)
 ptm.add_command(convert)
 ptm.add_command(relight)
+ptm.add_command(lights)
 
 
 @ptm.command(epilog="Example: litrig ptm fit coin-session -o coin.ptm")

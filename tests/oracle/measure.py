@@ -7,15 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_sim.mitsuba.config import Brushing, Invariance, MitsubaScene
+from litrig.base.directions import angle_between_deg
 from litrig.base.table_normals import TableNormal
 from processing.amc.build import AmcResult
 from processing.ptm.files.ptm_file import read_ptm, write_ptm
 from processing.ptm.fit import fit
+from processing.ptm.lights.estimate import Ways, estimate_lights
 from processing.ptm.model import Colour
 from processing.ptm.relight import relight
 from processing.stack import Stack
 from tests.oracle.compare import amc_psnr_db, psnr_db, relative_rmse, trusted
-from tests.oracle.shoot import NAIVE, Studio, Way, seen_from
+from tests.oracle.shoot import CHROME, NAIVE, Studio, Way, seen_from
 
 F64 = NDArray[np.float64]
 
@@ -40,6 +42,14 @@ class PtmFit(NamedTuple):
 
     ours_db: float
     lstsq_db: float
+
+
+class LightErrors(NamedTuple):
+    """Angles in degrees to where the lamps stood; how far the outline is off, in parts of its radius."""
+
+    mean_deg: float
+    most_deg: float
+    outline: float
 
 
 def predict_brushing(
@@ -93,6 +103,26 @@ def ptm_fit(studio: Studio, scene: MitsubaScene, path: Path, colour: Colour) -> 
     ptm = read_ptm(path)
     ours = np.stack([relight(ptm, light) for light in lights])
     return PtmFit(_display_psnr_db(ours, frames), _display_psnr_db(_least_squares(frames, lights), frames))
+
+
+def light_errors(studio: Studio, distance_radii: float | None, *, ignore_distance: bool = False) -> LightErrors:
+    """Read the lamps' directions off a chrome ball that is found by itself."""
+    scene = seen_from(CHROME, distance_radii)
+    capture = studio.capture(scene)
+    ways = Ways(distance_radii=None if ignore_distance else distance_radii)
+    session = estimate_lights([frame.path for frame in capture.frames], ways)
+    lamps = zip(session.lights, capture.frames, strict=True)
+    errors = [
+        angle_between_deg(light.direction, frame.light)
+        for light, frame in lamps
+        if light.direction is not None and frame.light is not None
+    ]
+    found, truth = session.balls[0].circle, studio.circle(scene)
+    off = (found.x_px - truth.x_px, found.y_px - truth.y_px, found.radius_px - truth.radius_px)
+    missed = [180.0] * (len(capture.frames) - len(errors))
+    return LightErrors(
+        float(np.mean(errors + missed)), max(errors + missed), float(np.abs(off).max() / truth.radius_px)
+    )
 
 
 def _least_squares(frames: F64, lights: F64) -> F64:

@@ -45,6 +45,7 @@ MATERIALS = {**METALS, "weave": FABRIC}
 BOTH = MitsubaScene(radius_px=200, diffuse_share=0.7, roughness_along=0.06, roughness_across=0.25)
 """Thin metal over matt paint: diffuse light and gloss in one."""
 FABRICS: tuple[Invariance, ...] = (1, 2, 3, 4, "isotropic")
+CHROME = MitsubaScene(sample="chrome-ball", lights="lamp", radius_px=190)
 RELIEF = MitsubaScene(sample="relief", lights="lamp", projection="orthographic")
 
 

@@ -31,8 +31,12 @@ ANGLES = "angles.csv"
 LARGEST_ANGLES_BYTES = 4_000_000
 
 
-def read_capture(folder: Path) -> Capture:
+def read_capture(folder: Path, but_not: Path | None = None) -> Capture:
     """Read a capture folder or a plain folder.
+
+    Parameters
+    ----------
+    but_not : an `.lp` that is about to be written, and which an earlier run may have left in a plain folder
 
     Raises
     ------
@@ -44,7 +48,7 @@ def read_capture(folder: Path) -> Capture:
         raise InputError(f"{folder}: is a file; name the folder that holds the pictures")
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder; check the path")
-    return _read_session(folder) if layout.is_capture_folder(folder) else _read_plain(folder)
+    return _read_session(folder) if layout.is_capture_folder(folder) else _read_plain(folder, but_not)
 
 
 def good_frames(entries: Iterable[Entry]) -> list[Entry]:
@@ -151,13 +155,14 @@ def _session_frame(folder: Path, entry: Entry) -> CapturedFrame:
     )
 
 
-def _read_plain(folder: Path) -> Capture:
+def _read_plain(folder: Path, but_not: Path | None) -> Capture:
     pictures = sorted(path for path in folder.iterdir() if path.is_file() and is_picture(path))
     if not pictures:
         raise InputError(f"{folder}: holds no picture; name a capture folder or a folder of pictures")
     digest = _digest((path.name, sha256_of(path)) for path in pictures)
     capture = Capture(folder, folder.resolve().name, tuple(CapturedFrame(path) for path in pictures), digest=digest)
-    lists = _lists(folder, ".lp") or _lists(folder, ".dome")
+    unread = None if but_not is None else but_not.absolute()
+    lists = _lists(folder, ".lp", unread) or _lists(folder, ".dome", unread)
     if len(lists) > 1:
         raise InputError(f"{folder}: holds {listed([path.name for path in lists])}; keep one .lp, or name it with --lp")
     angles = _read_angles(folder / ANGLES, {path.name for path in pictures}) if (folder / ANGLES).exists() else {}
@@ -171,8 +176,8 @@ def _read_plain(folder: Path) -> Capture:
     return capture
 
 
-def _lists(folder: Path, ending: str) -> list[Path]:
-    return sorted(path for path in folder.iterdir() if path.suffix.lower() == ending)
+def _lists(folder: Path, ending: str, unread: Path | None) -> list[Path]:
+    return sorted(path for path in folder.iterdir() if path.suffix.lower() == ending and path.absolute() != unread)
 
 
 def _turned(frame: CapturedFrame, angles_deg: Mapping[str, float]) -> CapturedFrame:

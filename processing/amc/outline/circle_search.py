@@ -41,16 +41,40 @@ def candidates(greys: F32) -> list[tuple[float, float, float]]:
     """
     shrink = min(1.0, _LONGEST_SIDE_PX / max(greys.shape[1:]))
     codes = encode_srgb(greys / max(float(np.quantile(greys.mean(axis=0), _WHITE_QUANTILE)), 1e-12))
-    pictures = [_shrunk(picture, shrink) for picture in (codes.mean(axis=0), codes.std(axis=0))]
-    scale_y, scale_x = (full / small for full, small in zip(greys.shape[1:], pictures[0].shape, strict=True))
+    shorter_side = round(shrink * min(greys.shape[1:]))
+    radii = ring_radii(_SMALLEST_SHARE * shorter_side, _LARGEST_SHARE * shorter_side)
     return [
-        ((column + 0.5) * scale_x, (row + 0.5) * scale_y, radius * (scale_x + scale_y) / 2)
-        for picture in pictures
-        for radius, row, column in _circles(picture)
+        circle
+        for picture in (codes.mean(axis=0), codes.std(axis=0))
+        for circle in find_rings(picture, shrink, radii, _MOST_CANDIDATES)
     ]
 
 
-def _circles(picture: F32) -> Iterator[tuple[float, int, int]]:
+def find_rings(picture: F32, shrink: float, radii: F64, most: int) -> list[tuple[float, float, float]]:
+    """Propose the likeliest circles (x, y, radius in its pixels) of one picture (H, W) of display-like values.
+
+    Parameters
+    ----------
+    shrink : by which factor the picture is shrunk before it is searched, at most 1
+    radii : the radii to try, in pixels of the shrunk picture
+    most : how many circles
+    """
+    small = _shrunk(picture, shrink)
+    scale_y, scale_x = (full / short for full, short in zip(picture.shape, small.shape, strict=True))
+    return [
+        ((column + 0.5) * scale_x, (row + 0.5) * scale_y, radius * (scale_x + scale_y) / 2)
+        for radius, row, column in _circles(small, radii, most)
+    ]
+
+
+def ring_radii(smallest_px: float, largest_px: float) -> F64:
+    """Return radii between two, in steps of a soft ring's width."""
+    count = int(np.log(largest_px / smallest_px) / np.log(_STEP)) + 1
+    radii: F64 = smallest_px * np.power(_STEP, np.arange(count))
+    return radii
+
+
+def _circles(picture: F32, radii: F64, most: int) -> Iterator[tuple[float, int, int]]:
     """Convolve the field with rings of all radii, in frequency, where a ring with two turns is a Bessel function.
 
     ∫ δ(|x| − r) cos 2φ exp(−i k·x) dx ∝ −J₂(|k| r) cos 2φ_k, the same with sin; a Gaussian damps it to a soft ring.
@@ -65,13 +89,12 @@ def _circles(picture: F32) -> Iterator[tuple[float, int, int]]:
     across, askew = (fft.rfft2(part, padded) for part in _radial_field(picture))
     soft = np.exp(-0.5 * (frequency * _RING_WIDTH_PX) ** 2) / np.maximum(frequency**2, 1e-12)
     field = (-(across * cosine + askew * sine) * soft).astype(np.complex64)
-    radii = _radii(min(picture.shape))
     fine = np.arange(0, float(frequency.max()) * radii[-1] + 2 * _BESSEL_STEP, _BESSEL_STEP)
     bessel = special.jv(2, fine).astype(np.float32)
     scores = np.stack(
         [_score(field, frequency / _BESSEL_STEP, bessel, float(radius), padded)[:height, :width] for radius in radii]
     )
-    return _peaks(scores, radii)
+    return _peaks(scores, radii, most)
 
 
 def _score(field: C64, places: F64, bessel: F32, radius: float, padded: tuple[int, ...]) -> F32:
@@ -95,17 +118,11 @@ def _radial_field(picture: F32) -> tuple[F32, F32]:
     return ((along_x**2 - along_y**2) / soft).astype(np.float32), (2 * along_x * along_y / soft).astype(np.float32)
 
 
-def _radii(shorter_side: int) -> F64:
-    count = int(np.log(_LARGEST_SHARE / _SMALLEST_SHARE) / np.log(_STEP)) + 1
-    radii: F64 = _SMALLEST_SHARE * shorter_side * np.power(_STEP, np.arange(count))
-    return radii
-
-
-def _peaks(scores: F32, radii: F64) -> Iterator[tuple[float, int, int]]:
+def _peaks(scores: F32, radii: F64, most: int) -> Iterator[tuple[float, int, int]]:
     """Yield (radius, row, column) of the best circles, each unlike those before."""
     left = scores.copy()
     rows, columns = np.mgrid[: scores.shape[1], : scores.shape[2]]
-    for _ in range(_MOST_CANDIDATES):
+    for _ in range(most):
         level, row, column = (int(place) for place in np.unravel_index(int(np.argmax(left)), left.shape))
         yield float(radii[level]), row, column
         alike = np.abs(np.log(radii / radii[level])) < 0.1
