@@ -22,7 +22,7 @@ from firmware_sim.clock import Clock, monotonic_s
 from firmware_sim.config import SimConfig
 from firmware_sim.devices import Devices
 from firmware_sim.errors import SimServerError
-from firmware_sim.faults import arm_faults, camera_faults, turntable_faults
+from firmware_sim.faults import arm_faults, camera_faults, plug_faults, turntable_faults
 from firmware_sim.mitsuba.config import MitsubaScene
 from firmware_sim.render_queue import RenderQueue
 from firmware_sim.render_requests import render_requests
@@ -30,6 +30,7 @@ from firmware_sim.resting import last_elsewhere_s
 from firmware_sim.scene.pose import Pose
 from firmware_sim.scene.rendering import note_on, relevance_of, room_for
 from firmware_sim.side_channel import Answer, Handler, SideChannelServer
+from firmware_sim.timetable import Timetable
 from firmware_sim.wire import Wire
 
 CONFIG_NAME, FRAMES_NAME, CHANNEL_NAME, RIG_NAME, LOG_NAME = (
@@ -39,6 +40,8 @@ CONFIG_NAME, FRAMES_NAME, CHANNEL_NAME, RIG_NAME, LOG_NAME = (
     "RIG.toml",
     "server.log",
 )
+LINKS_NAME = "by-id"
+"""Folder of links that lead to the serial ports, under whatever name these were plugged in."""
 LONGEST_WAIT_S = 0.05
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 
@@ -60,7 +63,15 @@ class Server:
         self._relevance = relevance_of(config.scene)
         self._running = True
         self._devices = Devices(config, clock)
-        self._wires = {"turntable": Wire(self._devices.bus, clock), "arm": Wire(self._devices.arm, clock)}
+        self._wires = {
+            "turntable": Wire(self._devices.bus, clock, folder / LINKS_NAME / "turntable"),
+            "arm": Wire(self._devices.arm, clock, folder / LINKS_NAME / "arm"),
+        }
+        self._timetable = Timetable(clock)
+        faults = config.turntable.faults
+        self._timetable.add(faults.brown_out_at_s, self._devices.servo.brown_out)
+        self._timetable.add(faults.unplug_at_s, self._wires["turntable"].unplug)
+        self._timetable.add(faults.replug_at_s, self._wires["turntable"].replug)
         self._channel = SideChannelServer(folder / CHANNEL_NAME, self._handlers())
 
     @property
@@ -76,8 +87,10 @@ class Server:
         Without the renderer the devices go on; who asks for progress is told that it is lost.
         """
         while self._running:
+            self._timetable.keep()
             for wire in self._wires.values():
                 wire.service()
+            self._devices.table.advance()
             if studio.poll() is not None:
                 raise SimServerError(f"the camera's process ended by itself with status {studio.returncode}")
             if darkroom is not None and darkroom.poll() is not None:
@@ -101,23 +114,29 @@ class Server:
         self._channel.close()
         for wire in self._wires.values():
             wire.close()
+        with suppress(OSError):
+            (self._folder / LINKS_NAME).rmdir()
 
     def _wait(self) -> list[int | socket.socket]:
         due_s = [due for wire in self._wires.values() if (due := wire.due_s()) is not None]
         wait_s = min([LONGEST_WAIT_S, *(max(0.0, due - self._clock()) for due in due_s)])
-        sources = [sys.stdin.fileno(), *(wire.master for wire in self._wires.values()), *self._channel.sockets()]
+        sources = [sys.stdin.fileno(), *self._masters(), *self._channel.sockets()]
         # Unlike epoll, select waits for fractions of a millisecond.
         with selectors.SelectSelector() as selector:
             for source in sources:
                 selector.register(source, selectors.EVENT_READ)
             return [key.fileobj for key, _ in selector.select(wait_s)]  # type: ignore[misc] # what we registered
 
+    def _masters(self) -> list[int]:
+        return [wire.master for wire in self._wires.values() if wire.master is not None]
+
     def _handlers(self) -> dict[str, Handler]:
         own: dict[str, Handler] = {"status": self._status, "shutdown": self._shutdown}
         own |= {"poses": self._poses, "poses.before": self._poses_before}
         faults = (turntable_faults(self._devices), arm_faults(self._devices), camera_faults(self._shared))
         renders = render_requests(self._renders, self._config, lambda: Pose(*self._devices.pose(self._clock())))
-        for table in (*faults, renders):
+        plugs = (plug_faults(name, wire) for name, wire in self._wires.items())
+        for table in (*faults, *plugs, renders):
             own |= table
         return own
 
