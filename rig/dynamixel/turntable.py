@@ -103,11 +103,16 @@ class DynamixelTurntable:
         if arrived and abs(here.angle_deg - angle_deg) <= config.tolerance_deg:
             return here
         self._commanded_deg, self._arrived = angle_deg, False
-        self._watch(round(WATCHDOG_S / registers.WATCHDOG_UNIT_S))
-        if here.angle_deg > angle_deg - config.backlash_deg:
-            self._go(angle_deg - config.backlash_deg)
-        self._go(angle_deg)
-        self._watch(registers.WATCHDOG_OFF)
+        try:
+            self._watch(round(WATCHDOG_S / registers.WATCHDOG_UNIT_S))
+            if here.angle_deg > angle_deg - config.backlash_deg:
+                self._go(angle_deg - config.backlash_deg)
+            self._go(angle_deg)
+            self._watch(registers.WATCHDOG_OFF)
+        except LinkError as error:
+            if not self._has_watchdog:
+                raise
+            raise type(error)(f"{error}. As long as it has power, it stops by itself and keeps its position") from error
         pose = self.locate()
         self._arrived = True
         return pose

@@ -247,7 +247,8 @@ def fault_17_unplugged(_: Scale) -> Outcome:
         truth_deg = sim.side_channel.status()["turntable_deg"]
         port = sim.side_channel.request("turntable.replug")["port"]
         off_deg = abs(trials.angle_at(sim, port) - truth_deg)
-    passed = isinstance(error, LinkError) and rig.position_known and off_deg <= registers.DEG_PER_TICK
+    told = isinstance(error, LinkError) and "stops by itself and keeps its position" in str(error)
+    passed = told and rig.position_known and off_deg <= registers.DEG_PER_TICK
     detail = f"at rest {still_s:.2f} s after; the same angle within {off_deg:.3f}° on another port"
     return Outcome(1, int(not passed), detail, passed)
 
