@@ -180,6 +180,7 @@ def open_fit(
     settings: FitSettings | None = None,
     *,
     source: str = "",
+    lights_source: str = "",
     report: Report = silent,
 ) -> Iterator[Fit]:
     """Read the pictures and hand out their fit, for as long as the body lasts.
@@ -189,6 +190,7 @@ def open_fit(
     stack : N pictures
     light_dirs : (N, 3) unit, view frame, sample to light, in the order of the pictures
     source : digest of the frames, to be kept
+    lights_source : names the lights in errors; by default the pictures' folder
 
     Raises
     ------
@@ -203,7 +205,7 @@ def open_fit(
     for path, (_, _, z) in zip(stack.paths, directions, strict=True):
         if z <= 0:
             raise InputError(f"{path}: its light is not above the horizon (z = {z:g}); mend its line in the .lp")
-    check_lights(settings.basis, directions, settings.ridge)
+    check_lights(settings.basis, directions, settings.ridge, lights_source or str(stack.paths[0].parent))
     with decoded(
         stack, settings.space, budget_bytes=settings.memory_bytes, spool=settings.spool, report=report
     ) as pictures:

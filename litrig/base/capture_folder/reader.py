@@ -89,6 +89,7 @@ def pair_lights(capture: Capture, lights: Lights, source: Path) -> Capture:
         capture,
         frames=paired,
         picture_width_mm=lights.picture_width_mm,
+        lights_from=source,
         remarks=(*capture.remarks, *remarks),
     )
 
