@@ -64,7 +64,8 @@ def check_lights(basis: Basis, light_dirs: NDArray[np.floating], ridge: float = 
     if not condition <= LARGEST_CONDITION:
         raise InputError(
             f"{source}: {_describe(directions)}, which cannot carry a {basis}: the fit would raise noise "
-            f"{condition:.0e} times. Capture lights at several azimuths and at two elevations or more, or fit fewer terms or with --ridge 0.01"
+            f"{condition:.0e} times. Capture lights at several azimuths and at two elevations or more, or fit fewer "
+            "terms or with --ridge 0.01"
         )
 
 
