@@ -26,7 +26,7 @@ from processing.ptm.files.either import choose_coder, read_any, write_any
 from processing.ptm.fit import FitSettings, open_fit
 from processing.ptm.model import Colour
 from processing.ptm.quality import report_on
-from processing.ptm.relight import relight
+from processing.ptm.relighting.relight import relight
 from processing.stack import Stack
 
 F64 = NDArray[np.float64]

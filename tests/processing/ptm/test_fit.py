@@ -11,7 +11,7 @@ from processing.ptm.colour_split import split_colour
 from processing.ptm.fit import fit
 from processing.ptm.model import Colour, Space
 from processing.ptm.quality import fit_quality
-from processing.ptm.relight import relight
+from processing.ptm.relighting.relight import relight
 from processing.stack import Stack
 from tests.processing.ptm.relief import dome, relief_pictures, write_relief
 
