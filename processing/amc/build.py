@@ -163,7 +163,7 @@ def _assemble(shots: Shots, slices: Slices, flaws: Flaws, settings: Settings) ->
     tangent_angle = settings.tangent_angle or _tangent_angle(chosen, evidence)
     turn = slices.turn.upright if tangent_angle is TangentAngle.SURFACE else slices.turn
     residuals = (probe.upright() if turn is not slices.turn else probe).residuals(depth, repeats)
-    table = make_table(slices.light, slices.valid, shots.series, turn, depth, repeats)
+    table = make_table(slices.light, shots.series, turn, depth, repeats)
     amc = Amc(
         slices=dilate(table, slices.valid, out=table),
         valid=np.broadcast_to(slices.valid, table.shape[:3]),

@@ -48,9 +48,10 @@ class Probe:
 
     def residuals(self, depth: int, repeats: int) -> F64:
         """RMS difference (N,) between the slices and what a table of D slices and invariance R says of them."""
-        count = self.series.turned_count
-        even = self.series.turned(self.light, self.turn, even_angles(count))
-        matrix = folding(count, depth, repeats)
+        halves = 2 - repeats % 2
+        count = self.series.turned_count // halves
+        even = self.series.turned(self.light, self.turn, even_angles(count) / halves, halves)
+        matrix = folding(count, depth, repeats // halves)
         table = (matrix @ even.reshape(count, -1)).reshape(depth, *even.shape[1:])
         said = read_back(table, self.turn, repeats, self.series.angles_rad)
         rms: F64 = np.sqrt(np.mean((self.light - said).astype(np.float64) ** 2, axis=(1, 2)))

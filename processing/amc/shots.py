@@ -87,7 +87,7 @@ class Shots:
         light = np.zeros((len(self.stack), size, size, 3), np.float32)
 
         def resample(index: int, part: F32) -> None:
-            light[index] = resampler(part, self._shift_px(index))
+            resampler(part, self._shift_px(index), out=light[index])
 
         for index, _ in enumerate(self.stack.each(window, resample)):
             report(Progress("resampling", index + 1, len(self.stack), self.stack.paths[index].name))
