@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from processing.amc.harmonics import fit_harmonics, fitting, folding, reading, unfolding
+from processing.amc.room import Room, make_room
 from processing.amc.tangent_turn import AFTER, BEFORE, TangentTurn, read_turned
 
 F32 = NDArray[np.float32]
@@ -85,37 +86,41 @@ class Series:
         return np.asarray(harmonics, np.complex64)
 
 
-def make_table(slices: F32, series: Series, turn: TangentTurn, depth: int, repeats: int) -> F32:
+def make_table(room: Room, series: Series, turn: TangentTurn, depth: int, repeats: int) -> F32:
     """Turn slices (N, S, S, 3) into D even ones over one period, in place where they fit.
 
     Light is never negative: a series undershoots zero beside a sharp highlight.
 
     Parameters
     ----------
-    slices : overwritten
+    room : the slices; overwritten
     turn : (S, S)
 
     Returns
     -------
-    table : (D, S, S, 3), a part of `slices` where D is at most N
+    table : (D, S, S, 3), a part of `room` where D is at most N
     """
-    table = slices[:depth] if depth <= len(slices) else np.zeros((depth, *slices.shape[1:]), np.float32)
+    slices, size = len(room.array), room.array.shape[1]
+    made = room if depth <= slices else make_room((depth, *room.array.shape[1:]))
     halves = 2 - repeats % 2
     count = series.count if turn.keeps else series.turned_count // halves
     if turn.keeps:
         to_slices = folding(count, depth, repeats) @ reading(series.fit, even_angles(count))
     else:
         to_slices = folding(count, depth, repeats // halves)
-    size = slices.shape[1]
-    step = max(1, _VALUES_AT_ONCE // (_SAMPLES_PER_WAVE * count * size * 3))
+    widest = slices if turn.keeps else max(slices, _SAMPLES_PER_WAVE * count)
+    step = max(1, _VALUES_AT_ONCE // (widest * size * 3))
+    room.release()
     for first in range(0, size, step):
         rows = slice(first, first + step)
-        part = slices[:, rows].reshape(len(slices), -1, 3)
+        part = room.rows(rows)
+        shape = (depth, *part.shape[1:])
+        part = part.reshape(slices, -1, 3)
         if not turn.keeps:
             part = series.turned(part, turn[rows].flat, even_angles(count) / halves, halves)
-        made = _apply(to_slices, part).reshape(depth, *slices[0, rows].shape)
-        np.maximum(made, 0, out=table[:, rows])
-    return table
+        values = _apply(to_slices, part)
+        made.put_rows(rows, np.maximum(values, 0, out=values).reshape(shape))
+    return made.array[:depth]
 
 
 def read_back(table: F32, turn: TangentTurn, repeats: int, angles_rad: F64) -> F32:

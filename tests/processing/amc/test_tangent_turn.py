@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from processing.amc.room import Room
 from processing.amc.table import Series, even_angles, make_table, read_back
 from processing.amc.tangent_turn import TangentTurn
 
@@ -68,7 +69,7 @@ def test_a_folded_table_holds_what_repeats(repeats: int) -> None:
     even = SERIES.turned(slices, turn.flat, even_angles(360))
     copies = [np.roll(even, 360 // repeats * copy, axis=0) for copy in range(repeats)]
     depth = 20
-    table = make_table(slices.reshape(48, 2, 2, 3).copy(), SERIES, turn, depth, repeats).reshape(depth, 4, 3)
+    table = make_table(Room(slices.reshape(48, 2, 2, 3).copy()), SERIES, turn, depth, repeats).reshape(depth, 4, 3)
     wanted = np.mean(copies, axis=0)[np.round(360 * np.arange(depth) / (repeats * depth)).astype(int)]
     steps = np.flatnonzero(360 * np.arange(depth) % (repeats * depth) == 0)
     assert table[steps] == pytest.approx(wanted[steps], abs=2e-3)
@@ -83,12 +84,12 @@ def test_a_table_is_read_back_as_the_slices_that_made_it() -> None:
     turn = turn_of()
     slices = light(SERIES.angles_rad).astype(np.float32) + 1.5
     square = TangentTurn(*(part.reshape(2, 2) for part in (turn.normal_z, turn.turned_z, turn.azimuth_rad)))
-    table = make_table(slices.reshape(48, 2, 2, 3).copy(), SERIES, square, 47, 1)
+    table = make_table(Room(slices.reshape(48, 2, 2, 3).copy()), SERIES, square, 47, 1)
     assert read_back(table.reshape(47, 4, 3), turn, 1, SERIES.angles_rad) == pytest.approx(slices, abs=2e-3)
 
 
 def test_a_table_of_no_more_slices_takes_their_place() -> None:
     slices = np.ones((48, 4, 4, 3), np.float32)
     turn = TangentTurn(np.ones((4, 4)), np.ones((4, 4)), np.zeros((4, 4)))
-    assert np.shares_memory(make_table(slices, SERIES, turn, 24, 2), slices)
-    assert make_table(slices, SERIES, turn, 60, 2).shape == (60, 4, 4, 3)
+    assert np.shares_memory(make_table(Room(slices), SERIES, turn, 24, 2), slices)
+    assert make_table(Room(slices), SERIES, turn, 60, 2).shape == (60, 4, 4, 3)
