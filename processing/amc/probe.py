@@ -69,8 +69,9 @@ def make_probe(slices: Slices, series: Series) -> Probe:
     picked &= slices.valid & (radius <= _TRUSTED_RADIUS)
     sector = np.floor((np.arctan2(n_y, n_x) / (2 * np.pi) + 0.5) * _SECTORS).astype(np.int64) % _SECTORS
     ring = np.minimum((radius / _TRUSTED_RADIUS) ** 2 * _RINGS, _RINGS - 1).astype(np.int64)
-    light = np.zeros((len(slices.light), int(picked.sum()), 3), np.float32)
+    texels = np.flatnonzero(picked)
+    light = np.zeros((len(slices.light), len(texels), 3), np.float32)
     for index, one in enumerate(slices.light):
-        light[index] = one[picked]
+        light[index] = one.reshape(-1, 3)[texels]
         slices.room.release()
     return Probe(light, series, slices.turn[picked], (ring * _SECTORS + sector)[picked])
