@@ -1,7 +1,7 @@
 """How much memory a build takes above the interpreter, in a process of its own each.
 
-Usage: python -m benchmarks.amc_memory FOLDER SLICES find|ignore, which prints the peak in bytes before and after; the last
-says whether flaws are looked for.
+Usage: python -m benchmarks.amc_memory FOLDER SLICES find|ignore, which prints the peak in bytes before and after; the
+last says whether flaws are looked for.
 """
 
 import json
