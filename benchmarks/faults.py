@@ -14,6 +14,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import cast
 
 import tests.faults
 from tests.faults.outcome import Outcome, Scale
@@ -43,7 +44,7 @@ def cases() -> Iterator[tuple[int, Case]]:
             continue
         for name, case in inspect.getmembers(importlib.import_module(f"tests.faults.{module.name}"), callable):
             if number := re.fullmatch(r"fault_(\d+)_\w+", name):
-                found.append((int(number[1]), name, case))
+                found.append((int(number[1]), name, cast(Case, case)))
     return ((number, case) for number, _, case in sorted(found, key=lambda each: each[:2]))
 
 
