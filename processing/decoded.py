@@ -1,25 +1,22 @@
 """Every picture of a stack at once, for work that needs all of them pixel by pixel.
 
 They are kept as they are stored, in codes of 8 or 16 bits; floats stay floats. What is more than a budget of memory
-goes to a file without a name (it vanishes with the process, however that ends), mapped into memory, whose pages are
-given back after each use.
+lies in a nameless file that is mapped into it.
 """
 
-import mmap
 import os
-import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from litrig.base.errors import FormatError, InputError
+from litrig.base.errors import FormatError
 from litrig.base.progress import Progress, Report, silent
 from litrig.base.radiometry import decode_srgb, encode_srgb
+from processing.room import Room, make_room
 from processing.stack import Space, Stack
 
 F32 = NDArray[np.float32]
@@ -43,11 +40,12 @@ class Decoded:
     white : the value that stands for 1
     """
 
-    def __init__(self, values: Values, shape: tuple[int, int], space: Space, mapping: mmap.mmap | None) -> None:
+    def __init__(self, room: Room, shape: tuple[int, int], space: Space) -> None:
+        values: Values = room.array
         self.values = values
         self.shape = shape
         self.space = space
-        self._mapping = mapping
+        self._room = room
         self.white = 1.0 if values.dtype == np.float32 else float(np.iinfo(values.dtype).max)
         # Codes are display values; light is looked up.
         self._light = None
@@ -57,7 +55,7 @@ class Decoded:
     @property
     def spooled(self) -> bool:
         """Whether they lie in a file."""
-        return self._mapping is not None
+        return self._room.mapped is not None
 
     @property
     def proportional(self) -> bool:
@@ -77,8 +75,7 @@ class Decoded:
 
     def release(self) -> None:
         """Give back the memory of what was read from the file; reading again maps it again."""
-        if self._mapping is not None:
-            self._mapping.madvise(mmap.MADV_DONTNEED)
+        self._room.release()
 
     def _meant(self, values: Values) -> F32:
         if self._light is not None:
@@ -86,7 +83,6 @@ class Decoded:
         return values.astype(np.float32) * np.float32(1 / self.white)
 
 
-@contextmanager
 def decoded(
     stack: Stack,
     space: Space,
@@ -94,8 +90,8 @@ def decoded(
     budget_bytes: int = DEFAULT_BUDGET_BYTES,
     spool: Path | None = None,
     report: Report = silent,
-) -> Iterator[Decoded]:
-    """Read every picture of a stack; what is spooled vanishes at the end.
+) -> Decoded:
+    """Read every picture of a stack; what is spooled vanishes with what is returned.
 
     Parameters
     ----------
@@ -110,16 +106,16 @@ def decoded(
     """
     first = _stored(stack, 0, space)
     height, width = stack.shape
-    size = len(stack) * height * width * 3
-    mapping = None
-    if size * first.itemsize <= _SHARE_OF_BUDGET * budget_bytes:
-        values: Values = np.zeros((len(stack), height * width * 3), first.dtype)
-    else:
-        mapping = _spool(size * first.itemsize, spool or Path(tempfile.gettempdir()))
-        values = np.frombuffer(mapping, first.dtype).reshape(len(stack), -1)
-    held = Decoded(values, (height, width), space, mapping)
+    room = make_room(
+        (len(stack), height * width * 3),
+        first.dtype,
+        most_in_memory_bytes=int(_SHARE_OF_BUDGET * budget_bytes),
+        folder=spool,
+        advice="name another folder with --spool, or raise --memory",
+    )
+    held = Decoded(room, (height, width), space)
     _read_all(stack, held, first, budget_bytes, report)
-    yield held
+    return held
 
 
 def _read_all(stack: Stack, held: Decoded, first: Values, budget_bytes: int, report: Report) -> None:
@@ -146,18 +142,6 @@ def _stored(stack: Stack, index: int, space: Space, into: Values | None = None) 
     """Return a picture (H, W, 3) as it is kept."""
     picture: Values = stack.stored(index, into)
     return encode_srgb(picture) if picture.dtype == np.float32 and space == "srgb" else picture
-
-
-def _spool(size: int, folder: Path) -> mmap.mmap:
-    try:
-        with tempfile.TemporaryFile(dir=folder) as file:
-            os.posix_fallocate(file.fileno(), 0, size)
-            return mmap.mmap(file.fileno(), size)
-    except OSError as error:
-        raise InputError(
-            f"{folder}: no room for {size / 1e9:.1f} GB of decoded pictures ({error.strerror}); free space, name "
-            "another folder with --spool, or raise --memory"
-        ) from error
 
 
 def spread(shape: tuple[int, int], count: int, most_rows: int = 96) -> NDArray[np.int64]:

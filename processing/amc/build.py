@@ -21,11 +21,11 @@ from processing.amc.noise import noise_variance
 from processing.amc.outline.orbit import Outline
 from processing.amc.probe import Probe, make_probe
 from processing.amc.resample import dilate
-from processing.amc.room import make_room
 from processing.amc.settings import Settings
 from processing.amc.shots import Shots, Slices, find_shots
 from processing.amc.split import fit_envelope
 from processing.amc.table import make_table
+from processing.room import make_room
 
 F64 = NDArray[np.float64]
 Mask = NDArray[np.bool_]

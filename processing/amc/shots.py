@@ -16,11 +16,11 @@ from processing.amc.noise import difference_gain
 from processing.amc.outline.circle import Circle
 from processing.amc.outline.orbit import Orbit, Outline, find_outline
 from processing.amc.resample import make_resampler
-from processing.amc.room import Room, make_room
 from processing.amc.settings import Settings
 from processing.amc.table import Series
 from processing.amc.tangent_turn import TangentTurn
 from processing.amc.undistort import undistortion
+from processing.room import Room, make_room
 from processing.stack import Stack, Window
 
 F32 = NDArray[np.float32]

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from processing.amc.harmonics import fit_harmonics, fitting, folding, reading, unfolding
-from processing.amc.room import Room, make_room
 from processing.amc.tangent_turn import AFTER, BEFORE, TangentTurn, read_turned
+from processing.room import Room, make_room
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]

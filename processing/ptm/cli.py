@@ -125,7 +125,7 @@ def fit(  # one option each
     """
     from litrig.base.console import reporting
     from processing.ptm.files.either import check_form, choose_coder, write_any
-    from processing.ptm.fit import FitSettings, open_fit
+    from processing.ptm.fit import FitSettings, start_fit
     from processing.ptm.quality import report_on
     from processing.stack import Stack
 
@@ -145,10 +145,11 @@ def fit(  # one option each
     )
     stack = Stack.of(capture)
     names = {"source": capture.digest, "lights_source": str(capture.lights_from or folder)}
-    with reporting() as report, open_fit(stack, lights.directions, settings, report=report, **names) as f:
-        coder = choose_coder(output, f)
-        worth = report_on(f, None if coder is None else coder.stored)
-        write_any(output, f, coder, report)
+    with reporting() as report:
+        fitted = start_fit(stack, lights.directions, settings, report=report, **names)
+        coder = choose_coder(output, fitted)
+        worth = report_on(fitted, None if coder is None else coder.stored)
+        write_any(output, fitted, coder, report)
     pictures = [path.name for path in stack.paths]
     if as_json:
         click.echo(json.dumps(worth.facts(pictures)))

@@ -1,7 +1,5 @@
 """Fitting coefficients to pictures: every pixel by itself, in strips, so that no result need be held whole."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -173,8 +171,7 @@ class Fit:
         return *fit_weighted(values, design, self.held, plain, self.settings.robust), design
 
 
-@contextmanager
-def open_fit(
+def start_fit(
     stack: Stack,
     light_dirs: NDArray[np.floating],
     settings: FitSettings | None = None,
@@ -182,8 +179,8 @@ def open_fit(
     source: str = "",
     lights_source: str = "",
     report: Report = silent,
-) -> Iterator[Fit]:
-    """Read the pictures and hand out their fit, for as long as the body lasts.
+) -> Fit:
+    """Read the pictures and return their fit, which holds them.
 
     Parameters
     ----------
@@ -206,10 +203,8 @@ def open_fit(
         if z <= 0:
             raise InputError(f"{path}: its light is not above the horizon (z = {z:g}); mend its line in the .lp")
     check_lights(settings.basis, directions, settings.ridge, lights_source or str(stack.paths[0].parent))
-    with decoded(
-        stack, settings.space, budget_bytes=settings.memory_bytes, spool=settings.spool, report=report
-    ) as pictures:
-        yield Fit(pictures, directions, settings, source)
+    pictures = decoded(stack, settings.space, budget_bytes=settings.memory_bytes, spool=settings.spool, report=report)
+    return Fit(pictures, directions, settings, source)
 
 
 def fit(
@@ -225,10 +220,9 @@ def fit(
     source: str = "",
     report: Report = silent,
 ) -> Ptm:
-    """Fit every pixel and hold the result whole; parameters and errors are those of `FitSettings` and `open_fit`."""
+    """Fit every pixel and hold the result whole; parameters and errors are those of `FitSettings` and `start_fit`."""
     settings = FitSettings(basis, colour, space, robust, ridge, near)
-    with open_fit(stack, light_dirs, settings, source=source, report=report) as fitted:
-        return gathered(fitted, report)
+    return gathered(start_fit(stack, light_dirs, settings, source=source, report=report), report)
 
 
 def gathered(fitted: Fit, report: Report = silent) -> Ptm:

@@ -83,7 +83,7 @@ def test_slices_that_do_not_fit_into_memory_give_the_same_table(
 ) -> None:
     options = {"distance_radii": distance_radii, "invariance": 2, "depth": depth}
     in_memory = build_there(folders.shoot("2", distance_radii), **options).slices
-    monkeypatch.setattr("processing.amc.room.MOST_IN_MEMORY_BYTES", 0)
+    monkeypatch.setattr("processing.room.MOST_IN_MEMORY_BYTES", 0)
     np.testing.assert_array_equal(build_there(folders.shoot("2", distance_radii), **options).slices, in_memory)
 
 

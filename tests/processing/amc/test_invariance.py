@@ -6,10 +6,10 @@ from processing.amc.harmonics import check_angles, fit_harmonics
 from processing.amc.invariance import InvarianceReport, find_invariance
 from processing.amc.noise import noise_variance
 from processing.amc.probe import make_probe
-from processing.amc.room import Room
 from processing.amc.shots import Slices
 from processing.amc.table import Series
 from processing.amc.tangent_turn import TangentTurn
+from processing.room import Room
 from tests.processing.amc.random_materials import Trial, make_trial
 
 RANDOM = np.random.default_rng(3)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from processing.amc.room import Room
 from processing.amc.table import Series, even_angles, make_table, read_back
 from processing.amc.tangent_turn import TangentTurn
+from processing.room import Room
 
 F64 = NDArray[np.float64]
 AZIMUTHS = np.array([0.7, -2.0, 3.1, 0.0])

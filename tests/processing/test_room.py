@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from litrig.base.errors import InputError
-from processing.amc import room as rooms
-from processing.amc.room import Room, make_room
+from processing import room as rooms
+from processing.room import Room, make_room
 
 SHAPE = (5, 7, 7, 3)
 
@@ -76,7 +76,7 @@ def test_a_full_disk_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(rooms, "MOST_IN_MEMORY_BYTES", 0)
     monkeypatch.setattr("os.posix_fallocate", full)
-    with pytest.raises(InputError, match=r"no 0 MiB for the slices \(No space left on device\).*TMPDIR"):
+    with pytest.raises(InputError, match=r"no 0 MiB for a while \(No space left on device\).*TMPDIR"):
         make_room(SHAPE)
 
 
