@@ -37,8 +37,8 @@ def fitting_matrix(basis: Basis, light_dirs: NDArray[np.floating], ridge: float 
 
 def ridge_weights(design: F64, ridge: float) -> F64:
     """Return what is added to the diagonal of designᵀ·design, (T,); nothing for a constant term."""
-    varies = np.ptp(design, axis=0) > 1e-9
-    held: F64 = np.where(varies, ridge * np.sum(design**2) / design.shape[1], 0.0)
+    constant = (np.ptp(design, axis=0) < 1e-9) & (np.abs(design[0]) > 1e-9)
+    held: F64 = np.where(constant, 0.0, ridge * np.sum(design**2) / design.shape[1])
     return held
 
 
