@@ -101,13 +101,13 @@ class Fit:
         start, stop = top * width, bottom * width
         if self._least_squares and self._pictures.proportional and self.settings.light_gains is None:
             solver = (self._solver / self._pictures.white).astype(np.float32)
-            solve(solver, self._pictures.values, 3 * start, 3 * stop, coefficients.reshape(len(coefficients), -1))
+            values, first = self._pictures.window(start, stop)
+            solve(solver, values, first, first + 3 * (stop - start), coefficients.reshape(len(coefficients), -1))
         else:
             for first in range(start, stop, _BLOCK_PIXELS):
                 pixels = np.arange(first, min(stop, first + _BLOCK_PIXELS))
                 values = self._pictures.pixels(int(pixels[0]), int(pixels[-1]) + 1)
                 coefficients[:, pixels - start] = self._fitted(values, pixels)[0]
-        self._pictures.release()
         return self.split(coefficients.reshape(-1, bottom - top, width, 3))
 
     def sample(self, count: int) -> Strip:

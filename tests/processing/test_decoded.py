@@ -37,8 +37,6 @@ def test_pixels_are_what_the_stack_reads(
     assert pictures.pixels(20, 90) == pytest.approx(expected[:, 20:90], abs=1e-6)
     chosen = np.array([3, 77, 203])
     assert pictures.at(chosen) == pytest.approx(expected[:, chosen], abs=1e-6)
-    pictures.release()
-    assert pictures.pixels(0, 9) == pytest.approx(expected[:, :9], abs=1e-6)
 
 
 @pytest.mark.parametrize("space", ["srgb", "linear"])
