@@ -85,14 +85,16 @@ def test_three_marked_cuts_cost_less_than_a_decibel(whole: Capture, cut: Capture
     assert 0.08 < mended.flaws.filled < 0.16
 
 
-def test_cuts_are_found_and_filled_without_a_mask(cut: Capture) -> None:
-    """A table as small as this one marks them twice as wide as they are."""
-    settings = replace(SETTINGS, invariance=1)
+@pytest.mark.parametrize("invariance", [1, 2])
+def test_three_cuts_that_nobody_marked_cost_less_than_a_decibel(
+    whole: Capture, cut: Capture, invariance: Invariance
+) -> None:
+    settings = replace(SETTINGS, invariance=invariance)
     found = build(cut, replace(settings, defects="find"))
-    assert psnr_db(found) > psnr_db(build(cut, settings)) + 12
-    marked = build(cut, settings, mask=three_cuts(0.0)).flaws.turning
-    assert np.mean(found.flaws.turning[marked]) > 0.97
-    assert np.isfinite(found.flaws.weakest)
+    assert psnr_db(found) > psnr_db(build(whole, settings)) - 1
+    by_hand = build(cut, settings, mask=three_cuts(0.0)).flaws
+    assert np.mean(found.flaws.turning[by_hand.turning]) > 0.9
+    assert found.flaws.filled < 1.2 * by_hand.filled
 
 
 def test_a_mask_belongs_to_the_picture_that_was_shot_first(cut: Capture) -> None:
