@@ -141,7 +141,7 @@ def build_split(
         high, high_flaws = replace(low, room=room), low_flaws
     else:
         high, high_flaws = _mended(shots, settings, mask, report)
-    envelope = fit_envelope(low.light, low.normals, low.valid, common=True, weight_above=0.001)
+    envelope = fit_envelope(low.light, low.normals, low.valid)
     low.light[:] = envelope.below(low.light, low.normals)
     high.light[:] -= envelope.below(high.light, high.normals)
     return (

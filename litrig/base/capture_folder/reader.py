@@ -123,6 +123,15 @@ def turn_evenly(capture: Capture) -> Capture:
     return replace(capture, frames=turned + others)
 
 
+def unnamed_pictures(capture: Capture) -> list[str]:
+    """Name the pictures of a plain folder that its `.lp` or `angles.csv` does not, and which are therefore left out."""
+    if layout.is_capture_folder(capture.folder):
+        return []
+    named = {frame.path.name for frame in capture.frames}
+    there = (path.name for path in capture.folder.iterdir() if path.is_file() and is_picture(path))
+    return sorted(name for name in there if name not in named)
+
+
 def _read_session(folder: Path) -> Capture:
     journal = read_journal(folder / layout.JOURNAL)
     check_frame_lines(journal, folder / layout.JOURNAL)

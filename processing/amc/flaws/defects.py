@@ -44,6 +44,7 @@ _LEAST_CORE_PX = 3
 _MIDDLE, _WORST_WITHIN = 0.4, 0.35
 _RIM, _RIM_RING = 0.8, 0.04
 _USUAL_OF_MEDIAN = 1.4826
+_MOST_ASKED = 2048
 
 
 @dataclass(frozen=True)
@@ -141,13 +142,16 @@ def _along_lines(strays: F32, valid: Mask, believed: Mask) -> tuple[F32, F32]:
     """
     length = max(_SHORTEST_LINE_PX, int(_LINE_SHARE * len(valid)) | 1)
     limited = np.clip(strays, -_MOST_STRAY, _MOST_STRAY) * valid
+    asked = np.flatnonzero(believed)
+    asked = asked[:: -(-len(asked) // _MOST_ASKED)]
     best = [np.zeros(valid.shape, np.float32) for _ in range(2)]
     for direction in range(_DIRECTIONS):
         kernel = _line(length, direction * np.pi / _DIRECTIONS)
         covered = cv2.filter2D(valid.astype(np.float32), -1, kernel, borderType=cv2.BORDER_CONSTANT)
         sums = np.stack([cv2.filter2D(one, -1, kernel, borderType=cv2.BORDER_CONSTANT) for one in limited])
         along = np.asarray(sums / np.sqrt(np.maximum(covered, _LEAST_COVERED)), np.float32)
-        usual = np.maximum(_USUAL_OF_MEDIAN * np.median(np.abs(along[:, believed]), axis=1), _LEAST_USUAL)
+        some = np.abs(along.reshape(len(along), -1)[:, asked])
+        usual = np.maximum(_USUAL_OF_MEDIAN * np.median(some, axis=1), _LEAST_USUAL)
         along /= usual.astype(np.float32)[:, None, None]
         for joined, most in zip(rms_of_groups(along), best, strict=True):
             np.maximum(most, joined * valid, out=most)

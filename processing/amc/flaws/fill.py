@@ -91,8 +91,8 @@ def _roughness(slices: F32, hidden: Mask, model: TurnModel, valid: Mask) -> F32:
         squares[inner, inner] = np.mean(off**2, axis=-1)
         near = cv2.boxFilter(squares * asked, -1, (window, window), borderType=cv2.BORDER_CONSTANT)
         counts = cv2.boxFilter(asked, -1, (window, window), borderType=cv2.BORDER_CONSTANT)
-        out[:] = np.where(counts > 0, near / np.maximum(counts, 1e-6) - 1.25 * noises, np.float32(np.inf))
-    return np.maximum(rough, noises / 8)
+        out[:] = np.where(counts > 0, near / np.maximum(counts, 1e-6), (squares * asked).sum() / max(asked.sum(), 1))
+    return np.maximum(rough - np.float32(1.25) * noises, noises / 8)
 
 
 def _fill_over_sphere(filled: F32, variances: F32, neighbours: F32, valid: Mask) -> None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from litrig.base.kernels import kernel
+from processing.amc.flaws.fill import fill
 from processing.amc.flaws.sample_frame import track, turn
 from processing.amc.flaws.turn_model import MOST_HIDDEN, TurnModel, learn
 
@@ -25,6 +26,7 @@ _SURE, _LIKELY, _POSSIBLE = 0.7, 0.45, 0.25
 # Mean squares of a value's deviation in units of its variance.
 _ASTRAY, _AGREEING = 4.0, 1.5
 _WORST_FIRST, _SWEEPS = 0.4, 16
+_DARK = 0.5
 _USUAL_QUANTILE, _USUAL = 0.4, 0.6  # of chi-square over its three degrees of freedom
 
 
@@ -61,7 +63,34 @@ def settle(marks: Mask, middles: Mask, slices: F32, angles_rad: F64, valid: Mask
         wide = track(ndimage.binary_dilation(marks), turns_rad) & valid
         model = learn(slices, _carry(share > _POSSIBLE, turns_rad) & valid, angles_rad, valid)
         hidden = _among(share, slices, turns_rad, wide, model)
-    return hidden
+    hidden = _release_about_the_axis(hidden, slices, angles_rad, valid, model)
+    return hidden & track(_sticking(marks, hidden, angles_rad - angles_rad[0]), angles_rad - angles_rad[0])
+
+
+def _sticking(marks: Mask, hidden: Mask, turns_rad: F64) -> Mask:
+    """Keep the marks that hide some place of the sample in nearly every slice, as flaws do and highlights do not."""
+    names, count = ndimage.label(ndimage.binary_dilation(marks, iterations=2), np.ones((3, 3)))
+    peaks = ndimage.maximum(_share(hidden, turns_rad), names, np.arange(1, count + 1))
+    sticking: Mask = np.isin(names, 1 + np.flatnonzero(np.asarray(peaks) > _SURE))
+    return sticking
+
+
+def _release_about_the_axis(hidden: Mask, slices: F32, angles_rad: F64, valid: Mask, model: TurnModel) -> Mask:
+    """Judge anew what is hidden for nearly the whole turn, unless it is dark.
+
+    There nothing turns that could tell a flaw from the material. Beside neighbours as bright, a cut is dark; what is
+    bright is the highlight of a lamp beside the camera.
+    """
+    lost = (hidden.mean(axis=0) > MOST_HIDDEN) & valid
+    if not lost.any():
+        return hidden
+    filled = fill(slices, hidden, angles_rad, valid)
+    names, count = ndimage.label(lost, np.ones((3, 3)))
+    here = np.arange(1, count + 1)
+    seen, expected = (ndimage.sum_labels(light.mean(axis=(0, 3)), names, here) for light in (slices, filled))
+    released = hidden & np.isin(names, here[seen > _DARK * expected])
+    nothing = np.zeros_like(hidden)
+    return (hidden & ~released) | _judge(slices, nothing, released, nothing, model)
 
 
 def _among(share: F32, slices: F32, turns_rad: F64, wide: Mask, model: TurnModel) -> Mask:

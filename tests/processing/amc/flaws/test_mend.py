@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from litrig.base.camera_model import CameraModel
 from litrig.base.capture_folder.capture import Capture
 from litrig.base.capture_folder.reader import read_capture
 from litrig.base.errors import InputError
@@ -110,6 +111,21 @@ def test_a_whole_sphere_is_left_alone(whole: Capture) -> None:
     result = build(whole, replace(SETTINGS, defects="find"))
     assert result.flaws.filled == 0
     assert np.array_equal(result.amc.slices, build(whole, SETTINGS).amc.slices)
+
+
+def test_a_mask_is_painted_over_the_picture_as_the_camera_took_it(whole: Capture) -> None:
+    """Taking out the lens's distortion moves the sphere's middle by (-3.4, -3.3) pixels here, and the mask with it."""
+    straight = CameraModel(
+        width=SHAPE[1], height=SHAPE[0], focal_x_px=600, focal_y_px=600, centre_x_px=0, centre_y_px=0
+    )
+    bent = straight.model_copy(update={"distortion": (1.5, 0.0, 0.0, 0.0, 0.0)})
+    spot = np.zeros(SHAPE, bool)
+    spot[62:72, 82:92] = True
+    places = []
+    for camera, circle in ((straight, Circle(*CIRCLE)), (bent, Circle(75.9, 71.5, 58.5))):
+        result = build(whole, replace(SETTINGS, circle=circle, camera=camera), mask=spot)
+        places.append(np.argwhere(result.flaws.turning).mean(axis=0))
+    assert places[1] == pytest.approx(places[0], abs=0.7)
 
 
 def test_a_mask_of_another_size_is_refused(cut: Capture) -> None:
