@@ -113,14 +113,8 @@ def _lights(folder: Path) -> Lights | None:
 
 
 def _instruments(config: RigConfig) -> list[str]:
-    parts = []
-    if config.turntable is not None:
-        parts.append(f"turntable {config.turntable.model} (id {config.turntable.id})")
-    if config.arm is not None:
-        parts.append(f"light arm on {config.arm.kind}")
-    if config.camera is not None:
-        parts.append(f"camera {config.camera.device}")
-    return parts
+    sections = (config.turntable, config.arm, config.lights, config.camera)
+    return [section.instrument for section in sections if section is not None and section.instrument]
 
 
 def _live_line(event: FrameTaken) -> str:

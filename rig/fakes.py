@@ -131,6 +131,9 @@ class FakeLights:
         """Forget it."""
         self.lamp = None
 
+    def close(self) -> None:
+        """Nothing to give back."""
+
 
 @dataclass
 class FakeCamera:

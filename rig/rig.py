@@ -1,22 +1,16 @@
 """The rig as a whole: its parts, the state that it is in, and how it comes to rest."""
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from enum import StrEnum
 from types import TracebackType
 from typing import Self, TypeVar
 
-from rig.always_on import AlwaysOn
-from rig.camera.v4l2 import V4l2Camera
 from rig.clock import Clock, MonotonicClock
-from rig.config import AlwaysOnConfig, RigConfig, SpindleLampConfig
+from rig.config import RigConfig
 from rig.devices import ArmPose, Camera, LightArm, Lights, Shot, Turntable, TurntablePose
-from rig.dynamixel.link import DynamixelLink
-from rig.dynamixel.turntable import DynamixelTurntable
+from rig.drivers import ARMS, CAMERAS, LIGHTS, TURNTABLES, Bench
 from rig.errors import PositionLostError, RigError
-from rig.grbl.arm import GrblArm
-from rig.grbl.controller import GrblController
-from rig.grbl.lamp import SpindleLamp
 
 
 class RigState(StrEnum):
@@ -163,7 +157,7 @@ class Rig:
         self.state = RigState.IDLE
 
     def _close(self) -> None:
-        for part in (self._turntable, self._arm, self._camera):
+        for part in (self._turntable, self._arm, self._lights, self._camera):
             if part is not None:
                 _attempt(part.close)
 
@@ -187,34 +181,26 @@ def open_rig(
     RigError
         A part is missing or taken; those opened before it are closed again.
     """
-    clock = clock or MonotonicClock()
-    opened: list[Callable[[], None]] = []
+    bench = Bench(config, clock or MonotonicClock(), environment or {})
     turntable: Turntable | None = None
     arm: LightArm | None = None
     lights: Lights | None = None
     camera: Camera | None = None
-    try:
+    with ExitStack() as opened:
+        opened.callback(_attempt, bench.close)
         if config.turntable is not None and "turntable" in use:
-            link = DynamixelLink(config.turntable.port, config.turntable.baud, config.turntable.id, clock)
-            opened.append(link.close)
-            turntable = DynamixelTurntable(link, config.turntable, clock)
-        if config.arm is not None and use & {"arm", "lights"}:
-            controller = GrblController(config.arm.port, config.arm.baud, clock)
-            opened.append(controller.close)
-            arm = GrblArm(controller, config.arm, clock)
-            if isinstance(config.lights, SpindleLampConfig):
-                lights = SpindleLamp(controller, config.lights, clock)
-        if isinstance(config.lights, AlwaysOnConfig):
-            lights = AlwaysOn()
+            turntable = TURNTABLES.open(config.turntable, bench)
+            opened.callback(_attempt, turntable.close)
+        if config.arm is not None and "arm" in use:
+            arm = ARMS.open(config.arm, bench)
+            opened.callback(_attempt, arm.close)
+        if config.lights is not None and "lights" in use:
+            lights = LIGHTS.open(config.lights, bench)
+            opened.callback(_attempt, lights.close)
         if config.camera is not None and "camera" in use:
-            camera = V4l2Camera(config.camera, clock, environment)
-            opened.append(camera.close)
-            camera.configure()
-    except BaseException:
-        for close in opened:
-            close()
-        raise
-    return Rig(config, clock=clock, turntable=turntable, arm=arm, lights=lights, camera=camera)
+            camera = CAMERAS.open(config.camera, bench)
+        opened.pop_all()
+    return Rig(config, clock=bench.clock, turntable=turntable, arm=arm, lights=lights, camera=camera)
 
 
 Part = TypeVar("Part")
