@@ -19,8 +19,8 @@ def comparisons() -> list[Comparison]:
     with simulated_rig(SimConfig()) as sim, open_rig(read_rig(sim.rig_toml), use=frozenset({"turntable"})) as rig:
         rig.home()
         config = rig.config.turntable
-        if config is None:
-            raise AssertionError("the simulated rig has a turntable")
+        if not isinstance(config, TurntableConfig):
+            raise TypeError("the simulated rig has a Dynamixel turntable")
         goals = iter(math.remainder(STEP_DEG * i, 720) for i in range(1, 1000))
         rig.turn_to(0.0)
         return [

@@ -1,15 +1,18 @@
-"""RIG.toml: what is plugged in where, and how far each part may go. Unknown keys are refused."""
+"""RIG.toml: what is plugged in where, and how far each part may go. Unknown keys are refused.
+
+What a section may say depends on its `kind`: its driver brings the model (`rig.drivers`).
+"""
 
 import math
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from litrig.base.config import StrictModel, read_toml
+from rig.drivers import ARMS, CAMERAS, LIGHTS, TURNTABLES
+from rig.sections import ArmSection, CameraSection, LightsSection, Port, Positive, TurntableSection
 
-Positive = Annotated[float, Field(gt=0)]
-Port = Annotated[str, Field(pattern=r"^[^\x00]+$")]
 Turns = Annotated[float, Field(ge=-90_000, le=90_000)]
 Matrix = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 
@@ -21,7 +24,7 @@ class RigInfo(StrictModel):
     """How the rig is called in session records."""
 
 
-class TurntableConfig(StrictModel):
+class TurntableConfig(TurntableSection):
     """A turntable on a Dynamixel servo of the X series."""
 
     kind: Literal["dynamixel"] = "dynamixel"
@@ -55,6 +58,11 @@ class TurntableConfig(StrictModel):
     park_deg: float = 0.0
     """Where the table rests at the end of a session."""
 
+    @property
+    def instrument(self) -> str:
+        """Name the servo."""
+        return f"turntable {self.model} (id {self.id})"
+
     @model_validator(mode="after")
     def _limits_in_order(self) -> Self:
         if not self.min_deg <= self.park_deg <= self.max_deg:
@@ -62,7 +70,7 @@ class TurntableConfig(StrictModel):
         return self
 
 
-class ArmConfig(StrictModel):
+class ArmConfig(ArmSection):
     """A light arm of two axes on a GRBL 1.1 controller: X turns in azimuth, Y in elevation, a degree a millimetre."""
 
     kind: Literal["grbl"] = "grbl"
@@ -116,7 +124,7 @@ class ArmConfig(StrictModel):
         return self
 
 
-class SpindleLampConfig(StrictModel):
+class SpindleLampConfig(LightsSection):
     """The arm's lamp on the spindle output of the same GRBL controller."""
 
     kind: Literal["grbl-spindle"]
@@ -127,14 +135,14 @@ class SpindleLampConfig(StrictModel):
     """How long the lamp needs until its light is steady."""
 
 
-class AlwaysOnConfig(StrictModel):
+class AlwaysOnConfig(LightsSection):
     """Lamps that the rig does not switch."""
 
     kind: Literal["always-on"]
     """The driver."""
 
 
-class CameraConfig(StrictModel):
+class CameraConfig(CameraSection):
     """A camera behind V4L2."""
 
     kind: Literal["v4l2"] = "v4l2"
@@ -160,6 +168,11 @@ class CameraConfig(StrictModel):
     timeout_s: Positive = 10.0
     """How long a picture may take, beyond its exposure, before the camera counts as hanging."""
 
+    @property
+    def instrument(self) -> str:
+        """Name the device."""
+        return f"camera {self.device}"
+
 
 class SampleConfig(StrictModel):
     """What was measured on the bench about the sample."""
@@ -173,20 +186,21 @@ class RigConfig(StrictModel):
 
     rig: RigInfo = RigInfo()
     """The rig as a whole."""
-    turntable: TurntableConfig | None = None
+    turntable: Annotated[SerializeAsAny[TurntableSection] | None, BeforeValidator(TURNTABLES.read)] = None
     """The turntable."""
-    arm: ArmConfig | None = None
+    arm: Annotated[SerializeAsAny[ArmSection] | None, BeforeValidator(ARMS.read)] = None
     """The light arm."""
-    lights: Annotated[SpindleLampConfig | AlwaysOnConfig, Field(discriminator="kind")] | None = None
+    lights: Annotated[SerializeAsAny[LightsSection] | None, BeforeValidator(LIGHTS.read)] = None
     """The lamps."""
-    camera: CameraConfig | None = None
+    camera: Annotated[SerializeAsAny[CameraSection] | None, BeforeValidator(CAMERAS.read)] = None
     """The camera."""
     sample: SampleConfig = SampleConfig()
     """The sample."""
 
     @model_validator(mode="after")
     def _spindle_needs_arm(self) -> Self:
-        if isinstance(self.lights, SpindleLampConfig) and self.arm is None:
+        has_controller = isinstance(self.arm, ArmConfig)
+        if isinstance(self.lights, SpindleLampConfig) and not has_controller:
             raise ValueError("lights of kind grbl-spindle need an [arm] of kind grbl, whose output they are")
         return self
 
@@ -199,4 +213,7 @@ def read_rig(path: Path) -> RigConfig:
     InputError, ConfigError
         The file is missing, or a key is unknown, missing or out of range; the message names it.
     """
-    return read_toml(path, RigConfig)
+    config = read_toml(path, RigConfig)
+    if config.lights is None:
+        return config
+    return config.model_copy(update={"lights": config.lights.resolved(path.parent)})

@@ -31,3 +31,7 @@ class SpindleLamp:
         """Darken the lamp."""
         self._controller.command(codec.spindle_line(0), ANSWER_S)
         self._controller.finish_motion(ANSWER_S)
+
+    def close(self) -> None:
+        """Give the controller's port back, which the arm does too."""
+        self._controller.close()

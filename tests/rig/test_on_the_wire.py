@@ -8,7 +8,7 @@ import serial
 
 from firmware_sim.launch import RunningSim
 from rig.clock import MonotonicClock
-from rig.config import RigConfig, read_rig
+from rig.config import RigConfig, TurntableConfig, read_rig
 from rig.dynamixel import registers
 from rig.dynamixel.link import DynamixelLink
 from rig.errors import CameraError, DeviceError, GarbledReplyError, LinkTimeoutError, PortError, PositionLostError
@@ -25,7 +25,7 @@ def config_of(sim: RunningSim) -> RigConfig:
 
 def link_to(sim: RunningSim, **changes: int) -> DynamixelLink:
     table = config_of(sim).turntable
-    assert table is not None
+    assert isinstance(table, TurntableConfig)
     return DynamixelLink(table.port, changes.get("baud", table.baud), changes.get("id", table.id), MonotonicClock())
 
 
