@@ -8,13 +8,15 @@ import os
 import select
 import struct
 from array import array
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, Protocol
 
 import usb.backend
 import usb.core
 
+from firmware_sim.child import Requests
 from firmware_sim.errors import SideChannelError
 from firmware_sim.side_channel import Answer, SideChannel
 
@@ -34,21 +36,36 @@ LOW_SPEED = 1
 GET_CONFIGURATION, SET_CONFIGURATION = 8, 9
 
 
+class Channel(Requests, Protocol):
+    """A program's way to the bus."""
+
+    def close(self) -> None:
+        """Hang up; the next request dials again."""
+
+
 def connect(address: str) -> "SimulatedBackend":
     """Return the backend for the bus behind a socket."""
-    return SimulatedBackend(Path(address))
+    return SimulatedBackend(SideChannel(Path(address)), _let_pass)
 
 
 class SimulatedBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb ships no types
-    """What usb.core asks of libusb, as far as a device without endpoints needs it."""
+    """What usb.core asks of libusb, as far as a device without endpoints needs it.
 
-    def __init__(self, path: Path) -> None:
+    Parameters
+    ----------
+    channel : carries the requests of `firmware_sim.udmx.usb_server`
+    wait : lets the seconds pass that a transfer takes on a real wire
+    """
+
+    def __init__(self, channel: Channel, wait: Callable[[float], None]) -> None:
         super().__init__()
-        self._channel = SideChannel(path)
+        self._channel, self._wait = channel, wait
+        self._opened = 0
 
     def enumerate_devices(self) -> list[dict[str, Any]]:
         """Ask what is plugged in; what pyusb hands back to us later is an element of this."""
-        devices: list[dict[str, Any]] = self._ask("list")["devices"]
+        devices: list[dict[str, Any]] = self._ask("present")["devices"]
+        self._leave_if_nothing_is_open()
         return devices
 
     def get_device_descriptor(self, dev: dict[str, Any]) -> SimpleNamespace:
@@ -76,10 +93,13 @@ class SimulatedBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb shi
         address: int = dev["address"]
         if all(other["address"] != address for other in self.enumerate_devices()):
             raise _error(errno.ENODEV)
+        self._opened += 1
         return address
 
     def close_device(self, dev_handle: int) -> None:
-        """Nothing is kept a handle."""
+        """Give it back; what was claimed is free when nothing is open any more."""
+        self._opened -= 1
+        self._leave_if_nothing_is_open()
 
     def set_configuration(self, dev_handle: int, config_value: int) -> None:
         self.ctrl_transfer(dev_handle, 0x00, SET_CONFIGURATION, config_value, 0, array("B"), 1000)
@@ -113,12 +133,16 @@ class SimulatedBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb shi
         setup = (bmRequestType, bRequest, wValue, wIndex, len(data))
         content = "" if reads else data.tobytes().hex()
         answer = self._ask("control", address=dev_handle, setup=setup, content=content, timeout_s=timeout / 1000)
-        select.select([], [], [], answer["takes_s"])
+        self._wait(answer["takes_s"])
         if reads:
             received = bytes.fromhex(answer["content"])
             data[: len(received)] = array("B", received)
         carried: int = answer["carried"]
         return carried
+
+    def _leave_if_nothing_is_open(self) -> None:
+        if not self._opened:
+            self._channel.close()
 
     def _ask(self, do: str, **parameters: object) -> Answer:
         try:
@@ -128,6 +152,10 @@ class SimulatedBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb shi
         if "errno" in answer:
             raise _error(answer["errno"])
         return answer
+
+
+def _let_pass(seconds: float) -> None:
+    select.select([], [], [], seconds)
 
 
 def _error(number: int) -> Exception:

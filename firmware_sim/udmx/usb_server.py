@@ -4,13 +4,13 @@ JSON lines as on the side channel. Each connection is a program of its own: what
 """
 
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from pathlib import Path
 from typing import Annotated
 
 from pydantic import Field, validate_call
 
-from firmware_sim.side_channel import Answer, SideChannelServer
+from firmware_sim.side_channel import Answer, Handler, SideChannelServer
 from firmware_sim.udmx.bus import BUS, UsbBus, UsbError
 from firmware_sim.udmx.controller import Setup
 
@@ -20,13 +20,12 @@ LONGEST_CONTENT = 4096
 
 
 class UsbServer(SideChannelServer):
-    """The requests of a backend: which devices there are, claiming one, and a control transfer."""
+    """The bus on a socket."""
 
     def __init__(self, path: Path, bus: UsbBus) -> None:
         self._bus = bus
         self._speaker: socket.socket | None = None
-        requests = (self._list, self._claim, self._release, self._control)
-        super().__init__(path, {request.__name__.strip("_"): _with_errno(request) for request in requests})
+        super().__init__(path, usb_requests(bus, lambda: self._speaker))
 
     def serve(self, ready: socket.socket) -> None:
         """Take note of who asks."""
@@ -37,7 +36,18 @@ class UsbServer(SideChannelServer):
         self._bus.forget(connection)
         super()._drop(connection)
 
-    def _list(self) -> Answer:
+
+def usb_requests(bus: UsbBus, speaker: Callable[[], Hashable]) -> dict[str, Handler]:
+    """Return the requests of a backend: which devices there are, claiming one, and a control transfer.
+
+    Parameters
+    ----------
+    bus : what they act on
+    speaker : gives the program that is asking
+    """
+
+    @validate_call
+    def present() -> Answer:
         devices = [
             {
                 "bus": BUS,
@@ -46,35 +56,37 @@ class UsbServer(SideChannelServer):
                 "device": plugged.controller.device_descriptor().hex(),
                 "configuration": plugged.controller.configuration_descriptor().hex(),
             }
-            for plugged in self._bus.present()
+            for plugged in bus.present()
         ]
         return {"devices": devices}
 
-    def _claim(self, address: int) -> Answer:
-        self._bus.claim(address, self._speaker)
+    @validate_call
+    def claim(address: int) -> Answer:
+        bus.claim(address, speaker())
         return {}
 
-    def _release(self, address: int) -> Answer:
-        self._bus.release(address, self._speaker)
+    @validate_call
+    def release(address: int) -> Answer:
+        bus.release(address, speaker())
         return {}
 
-    def _control(
-        self,
+    @validate_call
+    def control(
         address: int,
         setup: tuple[Byte, Byte, Word, Word, Word],
         content: Annotated[str, Field(max_length=2 * LONGEST_CONTENT, pattern=r"^([0-9a-f]{2})*$")],
         timeout_s: float,
     ) -> Answer:
-        reply = self._bus.control(address, Setup(*setup), bytes.fromhex(content), timeout_s)
+        reply = bus.control(address, Setup(*setup), bytes.fromhex(content), timeout_s)
         return {"carried": reply.carried, "content": reply.content.hex(), "takes_s": reply.takes_s}
 
+    return {request.__name__: _with_errno(request) for request in (present, claim, release, control)}
 
-def _with_errno(request: Callable[..., Answer]) -> Callable[..., Answer]:
-    checked = validate_call(request)
 
+def _with_errno(request: Handler) -> Handler:
     def answer(**parameters: object) -> Answer:
         try:
-            return checked(**parameters)
+            return request(**parameters)
         except UsbError as failure:
             return {"errno": failure.args[0]}
 
