@@ -11,6 +11,7 @@ from rig.config import RigConfig
 from rig.devices import ArmPose, Camera, LightArm, Lights, Shot, Turntable, TurntablePose
 from rig.drivers import ARMS, CAMERAS, LIGHTS, TURNTABLES, Bench
 from rig.errors import PositionLostError, RigError
+from rig.rig_lock import RigLock, lock_rig
 
 
 class RigState(StrEnum):
@@ -40,8 +41,10 @@ class Rig:
         arm: LightArm | None = None,
         lights: Lights | None = None,
         camera: Camera | None = None,
+        lock: RigLock | None = None,
     ) -> None:
         self.config, self.clock = config, clock
+        self._lock = lock
         self._turntable, self._arm, self._lights, self._camera = turntable, arm, lights, camera
         self._moving: Turntable | LightArm | None = None
         self.state = RigState.IDLE
@@ -160,6 +163,8 @@ class Rig:
         for part in (self._turntable, self._arm, self._lights, self._camera):
             if part is not None:
                 _attempt(part.close)
+        if self._lock is not None:
+            self._lock.release()
 
 
 def open_rig(
@@ -179,14 +184,17 @@ def open_rig(
     Raises
     ------
     RigError
-        A part is missing or taken; those opened before it are closed again.
+        Another litrig uses the rig, or a part is missing or taken; those opened before it are closed again.
     """
+    lock = lock_rig(config)
     bench = Bench(config, clock or MonotonicClock(), environment or {})
     turntable: Turntable | None = None
     arm: LightArm | None = None
     lights: Lights | None = None
     camera: Camera | None = None
     with ExitStack() as opened:
+        if lock is not None:
+            opened.callback(lock.release)
         opened.callback(_attempt, bench.close)
         if config.turntable is not None and "turntable" in use:
             turntable = TURNTABLES.open(config.turntable, bench)
@@ -200,7 +208,7 @@ def open_rig(
         if config.camera is not None and "camera" in use:
             camera = CAMERAS.open(config.camera, bench)
         opened.pop_all()
-    return Rig(config, clock=bench.clock, turntable=turntable, arm=arm, lights=lights, camera=camera)
+    return Rig(config, clock=bench.clock, turntable=turntable, arm=arm, lights=lights, camera=camera, lock=lock)
 
 
 Part = TypeVar("Part")
