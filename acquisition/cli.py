@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rig.cli import RECORD
+
 if TYPE_CHECKING:
     from acquisition.plans import Plan
     from litrig.base.progress import Report
@@ -49,6 +51,7 @@ def capture() -> None:
 @capture.command(epilog="Example: litrig capture amc rig.toml -o brushed --slices 128 --object brushed-steel")
 @RIG
 @OUTPUT
+@RECORD
 @click.option(
     "--slices", type=int, required=True, help="Frames over one turn, S_k; 2 to 4 times the table's size is ideal."
 )
@@ -71,6 +74,7 @@ def amc(rig_toml: Path, folder: Path, slices: int, object_id: str, tangent_zero_
 @capture.command(epilog="Example: litrig capture ptm rig.toml -o coin --lights 50 --object coin")
 @RIG
 @OUTPUT
+@RECORD
 @click.option("--lights", type=int, required=True, help="Light directions, spread evenly; 40 to 80 are usual.")
 @OBJECT
 def ptm(rig_toml: Path, folder: Path, lights: int, object_id: str) -> None:

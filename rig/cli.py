@@ -15,6 +15,24 @@ if TYPE_CHECKING:
 RIG = click.argument("rig_toml", metavar="RIG.toml", type=click.Path(path_type=Path))
 
 
+def _record(context: click.Context, _: click.Parameter, path: Path | None) -> None:
+    if path is not None:
+        from rig.wire_record import recording
+
+        context.with_resource(recording(path))
+
+
+RECORD = click.option(
+    "--record",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    callback=_record,
+    expose_value=False,
+    help="Append every byte on the serial ports to FILE, with its time.",
+)
+"""For every command that opens ports; it records by itself, until the command has ended."""
+
+
 @click.group(
     epilog="Without hardware: litrig sim run examples/sim-amc.toml -- sh -c 'litrig rig move $LITRIG_RIG --angle 30'"
 )
@@ -38,6 +56,7 @@ def _opened(rig_toml: Path, *parts: str) -> Iterator["Rig"]:
 
 @rig.command(epilog="Example: litrig rig home rig.toml")
 @RIG
+@RECORD
 def home(rig_toml: Path) -> None:
     """Find the reference marks of everything that moves."""
     with _opened(rig_toml, "turntable", "arm", "lights") as opened:
@@ -47,6 +66,7 @@ def home(rig_toml: Path) -> None:
 
 @rig.command(epilog="Example: litrig rig park rig.toml")
 @RIG
+@RECORD
 def park(rig_toml: Path) -> None:
     """Home, move to the resting pose, lamps dark, and let go of the turntable."""
     with _opened(rig_toml, "turntable", "arm", "lights") as opened:
@@ -57,6 +77,7 @@ def park(rig_toml: Path) -> None:
 
 @rig.command(epilog="Example: litrig rig move rig.toml --angle 30")
 @RIG
+@RECORD
 @click.option("--angle", "angle_deg", type=float, required=True, help="Goal in degrees, counter-clockwise.")
 def move(rig_toml: Path, angle_deg: float) -> None:
     """Turn the sample to an angle, and print where it stands."""
@@ -69,6 +90,7 @@ def move(rig_toml: Path, angle_deg: float) -> None:
 
 @rig.command(epilog="Example: litrig rig light rig.toml --azimuth 45 --elevation 30")
 @RIG
+@RECORD
 @click.option(
     "--azimuth", "azimuth_deg", type=float, required=True, help="Degrees from the picture's right towards its top."
 )
@@ -87,6 +109,7 @@ def light(rig_toml: Path, azimuth_deg: float, elevation_deg: float, lamp: int) -
 
 @rig.command(epilog="Example: litrig rig snap rig.toml -o first.png")
 @RIG
+@RECORD
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="The picture to write.")
 def snap(rig_toml: Path, output: Path) -> None:
     """Take one picture; nothing moves.
