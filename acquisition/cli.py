@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from rig.cli import RECORD
+from rig.options import RECORD, RIG
 
 if TYPE_CHECKING:
     from acquisition.plans import Plan
     from litrig.base.progress import Report
 
-RIG = click.argument("rig_toml", metavar="RIG.toml", type=click.Path(path_type=Path))
 OUTPUT = click.option(
     "-o",
     "--output",

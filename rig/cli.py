@@ -8,29 +8,12 @@ from typing import TYPE_CHECKING
 import click
 
 from litrig.base.errors import InputError
+from rig.doctor.cli import doctor
+from rig.init.cli import init
+from rig.options import RECORD, RIG
 
 if TYPE_CHECKING:
     from rig.rig import Rig
-
-RIG = click.argument("rig_toml", metavar="RIG.toml", type=click.Path(path_type=Path))
-
-
-def _record(context: click.Context, _: click.Parameter, path: Path | None) -> None:
-    if path is not None:
-        from rig.wire_record import recording
-
-        context.with_resource(recording(path))
-
-
-RECORD = click.option(
-    "--record",
-    metavar="FILE",
-    type=click.Path(path_type=Path),
-    callback=_record,
-    expose_value=False,
-    help="Append every byte on the serial ports to FILE, with its time.",
-)
-"""For every command that opens ports; it records by itself, until the command has ended."""
 
 
 @click.group(
@@ -129,3 +112,7 @@ def snap(rig_toml: Path, output: Path) -> None:
     else:
         write_codes(output, decode_codes(shot.content, shot.ending, "camera"))
     click.echo(f"wrote {output}")
+
+
+for command in (init, doctor):
+    rig.add_command(command)

@@ -173,6 +173,7 @@ def open_rig(
     use: frozenset[str] = frozenset({"turntable", "arm", "lights", "camera"}),
     clock: Clock | None = None,
     environment: Mapping[str, str] | None = None,
+    locked: bool = False,
 ) -> Rig:
     """Open the parts of a rig that RIG.toml names and that are to be used.
 
@@ -180,13 +181,14 @@ def open_rig(
     ----------
     use : which parts to open; what is not opened cannot fail
     environment : added to the environment of the camera's process
+    locked : the caller holds the rig's lock already
 
     Raises
     ------
     RigError
         Another litrig uses the rig, or a part is missing or taken; those opened before it are closed again.
     """
-    lock = lock_rig(config)
+    lock = None if locked else lock_rig(config)
     bench = Bench(config, clock or MonotonicClock(), environment or {})
     turntable: Turntable | None = None
     arm: LightArm | None = None

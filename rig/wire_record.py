@@ -28,13 +28,15 @@ Way = Literal["open", "out", "in", "lost", "close"]
 class WireRecorder:
     """Appends to a file. What was written is with the system after each line, so that a kill loses nothing."""
 
-    def __init__(self, file: BinaryIO) -> None:
-        self._file = file
+    def __init__(self, file: BinaryIO, beside: "WireRecorder | None" = None) -> None:
+        self._file, self._beside = file, beside
         self._write({"kind": KIND, "litrig": litrig_version(), "started": datetime.now(UTC).isoformat(" ", "seconds")})
 
     def note(self, way: Way, port: str, content: bytes = b"", **more: int) -> None:
         """Write down what happened just now on a port."""
         self._write({"t": round(time.monotonic(), 6), "port": port, "way": way, "bytes": content.hex(), **more})
+        if self._beside is not None:
+            self._beside.note(way, port, content, **more)
 
     def _write(self, entry: dict[str, Any]) -> None:
         self._file.write(json.dumps(entry).encode() + b"\n")
@@ -52,6 +54,8 @@ def current_recorder() -> WireRecorder | None:
 def recording(path: Path) -> Iterator[WireRecorder]:
     """Record every port that is opened while the body lasts; a record that is there already goes on.
 
+    Who records already goes on recording.
+
     Raises
     ------
     InputError
@@ -62,7 +66,7 @@ def recording(path: Path) -> Iterator[WireRecorder]:
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror}); name another file for the record") from error
     with file:
-        recorder = WireRecorder(file)
+        recorder = WireRecorder(file, _current.get())
         before = _current.set(recorder)
         try:
             yield recorder
