@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 
 import click
 
+from rig.options import RECORD, RIG
+
 if TYPE_CHECKING:
     from acquisition.plans import Plan
     from litrig.base.progress import Report
     from rig.config import RigConfig
 
-RIG = click.argument("rig_toml", metavar="RIG.toml", type=click.Path(path_type=Path))
 OUTPUT = click.option(
     "-o",
     "--output",
@@ -50,6 +51,7 @@ def capture() -> None:
 @capture.command(epilog="Example: litrig capture amc rig.toml -o brushed --slices 128 --object brushed-steel")
 @RIG
 @OUTPUT
+@RECORD
 @click.option(
     "--slices", type=int, required=True, help="Frames over one turn, S_k; 2 to 4 times the table's size is ideal."
 )
@@ -73,6 +75,7 @@ def amc(rig_toml: Path, folder: Path, slices: int, object_id: str, tangent_zero_
 @capture.command(epilog="Example: litrig capture ptm rig.toml -o coin --lights 50 --object coin")
 @RIG
 @OUTPUT
+@RECORD
 @click.option(
     "--lights",
     type=int,

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 import click
 
 from litrig.base.errors import InputError
+from rig.doctor.cli import doctor
+from rig.init.cli import init
+from rig.options import RECORD, RIG
 
 if TYPE_CHECKING:
     from rig.rig import Rig
-
-RIG = click.argument("rig_toml", metavar="RIG.toml", type=click.Path(path_type=Path))
 
 NOTED_DEG = 0.5
 """A light this far from the direction asked for is worth a word."""
@@ -41,6 +42,7 @@ def _opened(rig_toml: Path, *parts: str) -> Iterator["Rig"]:
 
 @rig.command(epilog="Example: litrig rig home rig.toml")
 @RIG
+@RECORD
 def home(rig_toml: Path) -> None:
     """Find the reference marks of everything that moves."""
     with _opened(rig_toml, "turntable", "arm", "lights") as opened:
@@ -50,6 +52,7 @@ def home(rig_toml: Path) -> None:
 
 @rig.command(epilog="Example: litrig rig park rig.toml")
 @RIG
+@RECORD
 def park(rig_toml: Path) -> None:
     """Home, move to the resting pose, lamps dark, and let go of the turntable."""
     with _opened(rig_toml, "turntable", "arm", "lights") as opened:
@@ -60,6 +63,7 @@ def park(rig_toml: Path) -> None:
 
 @rig.command(epilog="Example: litrig rig move rig.toml --angle 30")
 @RIG
+@RECORD
 @click.option("--angle", "angle_deg", type=float, required=True, help="Goal in degrees, counter-clockwise.")
 def move(rig_toml: Path, angle_deg: float) -> None:
     """Turn the sample to an angle, and print where it stands."""
@@ -72,6 +76,7 @@ def move(rig_toml: Path, angle_deg: float) -> None:
 
 @rig.command(epilog="Example: litrig rig light rig.toml --azimuth 45 --elevation 30")
 @RIG
+@RECORD
 @click.option("--azimuth", "azimuth_deg", type=float, help="Degrees from the picture's right towards its top.")
 @click.option("--elevation", "elevation_deg", type=float, help="Degrees above the picture's plane.")
 @click.option(
@@ -108,6 +113,7 @@ def light(rig_toml: Path, azimuth_deg: float | None, elevation_deg: float | None
 
 @rig.command(epilog="Example: litrig rig snap rig.toml -o first.png")
 @RIG
+@RECORD
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="The picture to write.")
 def snap(rig_toml: Path, output: Path) -> None:
     """Take one picture; nothing moves.
@@ -127,3 +133,7 @@ def snap(rig_toml: Path, output: Path) -> None:
     else:
         write_codes(output, decode_codes(shot.content, shot.ending, "camera"))
     click.echo(f"wrote {output}")
+
+
+for command in (init, doctor):
+    rig.add_command(command)

@@ -12,6 +12,7 @@ from rig.config import RigConfig
 from rig.devices import ArmPose, Camera, LightArm, Lights, Shot, Turntable, TurntablePose
 from rig.drivers import ARMS, CAMERAS, LIGHTS, TURNTABLES, Bench
 from rig.errors import OutOfRangeError, PositionLostError, RigError
+from rig.rig_lock import RigLock, lock_rig
 
 DOME_TOLERANCE_DEG = 0.01
 """How far a wanted direction may be from the lamp's own: both come from the same RIG.toml, but for rounding."""
@@ -44,8 +45,10 @@ class Rig:
         arm: LightArm | None = None,
         lights: Lights | None = None,
         camera: Camera | None = None,
+        lock: RigLock | None = None,
     ) -> None:
         self.config, self.clock = config, clock
+        self._lock = lock
         self._turntable, self._arm, self._lights, self._camera = turntable, arm, lights, camera
         self._moving: Turntable | LightArm | None = None
         self.state = RigState.IDLE
@@ -219,6 +222,8 @@ class Rig:
         for part in (self._turntable, self._arm, self._lights, self._camera):
             if part is not None:
                 _attempt(part.close)
+        if self._lock is not None:
+            self._lock.release()
 
 
 def open_rig(
@@ -227,6 +232,7 @@ def open_rig(
     use: frozenset[str] = frozenset({"turntable", "arm", "lights", "camera"}),
     clock: Clock | None = None,
     environment: Mapping[str, str] | None = None,
+    locked: bool = False,
 ) -> Rig:
     """Open the parts of a rig that RIG.toml names and that are to be used.
 
@@ -234,18 +240,22 @@ def open_rig(
     ----------
     use : which parts to open; what is not opened cannot fail
     environment : added to the environment of the camera's process
+    locked : the caller holds the rig's lock already
 
     Raises
     ------
     RigError
-        A part is missing or taken; those opened before it are closed again.
+        Another litrig uses the rig, or a part is missing or taken; those opened before it are closed again.
     """
+    lock = None if locked else lock_rig(config)
     bench = Bench(config, clock or MonotonicClock(), environment or {})
     turntable: Turntable | None = None
     arm: LightArm | None = None
     lights: Lights | None = None
     camera: Camera | None = None
     with ExitStack() as opened:
+        if lock is not None:
+            opened.callback(lock.release)
         opened.callback(_attempt, bench.close)
         if config.turntable is not None and "turntable" in use:
             turntable = TURNTABLES.open(config.turntable, bench)
@@ -259,7 +269,7 @@ def open_rig(
         if config.camera is not None and "camera" in use:
             camera = CAMERAS.open(config.camera, bench)
         opened.pop_all()
-    return Rig(config, clock=bench.clock, turntable=turntable, arm=arm, lights=lights, camera=camera)
+    return Rig(config, clock=bench.clock, turntable=turntable, arm=arm, lights=lights, camera=camera, lock=lock)
 
 
 Part = TypeVar("Part")

@@ -9,13 +9,14 @@ import termios
 from collections.abc import Callable
 from typing import TypeVar
 
-from dynamixel_sdk import COMM_RX_TIMEOUT, COMM_SUCCESS, COMM_TX_FAIL, PacketHandler, PortHandler
+from dynamixel_sdk import COMM_RX_TIMEOUT, COMM_SUCCESS, COMM_TX_FAIL, PacketHandler
 from serial import SerialException
 
 from rig.clock import Clock
+from rig.dynamixel.port import ExclusivePort
 from rig.dynamixel.registers import Register
 from rig.errors import DeviceError, GarbledReplyError, LinkTimeoutError, PortError
-from rig.serial_port import PortLock, port_error
+from rig.serial_port import port_error
 
 PROTOCOL = 2.0
 TRIES = 3
@@ -49,15 +50,12 @@ class DynamixelLink:
         """
         self.name = f"servo {servo_id} on {path}"
         self._path, self._id, self._clock = path, servo_id, clock
-        self._port, self._packets = PortHandler(path), PacketHandler(PROTOCOL)
-        self._lock = PortLock(path)  # before the baud rate of a wire that somebody else may be using is touched
+        self._port, self._packets = ExclusivePort(path), PacketHandler(PROTOCOL)
         try:
-            opened = self._port.openPort() and self._port.setBaudRate(baud)
+            opened = self._port.setBaudRate(baud)
         except (SerialException, OSError, termios.error) as error:
-            self._lock.release()
             raise port_error(path, error) from error
         if not opened:
-            self._lock.release()
             raise PortError(f"{path}: has no baud rate of {baud}; set the servo's own (57600 as delivered) in RIG.toml")
 
     def ping(self) -> int:
@@ -104,8 +102,6 @@ class DynamixelLink:
             self._port.closePort()
         except (SerialException, OSError, termios.error) as error:
             raise self._gone(error) from error
-        finally:
-            self._lock.release()
 
     def _throw_away(self) -> bool:
         try:

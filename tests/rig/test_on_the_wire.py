@@ -7,6 +7,7 @@ import pytest
 import serial
 
 from firmware_sim.launch import RunningSim
+from rig.camera.v4l2 import V4l2Camera
 from rig.clock import MonotonicClock
 from rig.config import RigConfig, TurntableConfig, read_rig
 from rig.dynamixel import registers
@@ -115,11 +116,14 @@ def test_a_port_that_is_taken_says_by_whom(sphere_sim: RunningSim) -> None:
             opened(sphere_sim, part)
 
 
-def test_a_second_rig_cannot_open_the_same_ports(sphere_sim: RunningSim) -> None:
-    with opened(sphere_sim, "turntable", "arm"):
-        for part in ("turntable", "arm"):
-            with pytest.raises(PortError, match="held by another program"):
+def test_a_second_litrig_on_the_same_rig_is_refused_and_the_first_goes_on(sphere_sim: RunningSim) -> None:
+    with opened(sphere_sim, "turntable") as first:
+        first.turntable.home()
+        for part in ("turntable", "arm", "camera"):
+            with pytest.raises(PortError, match=rf"in use by litrig, process {os.getpid()}; wait for its end"):
                 opened(sphere_sim, part)
+        assert first.turn_to(20).angle_deg == pytest.approx(20, abs=0.3)
+    opened(sphere_sim, "turntable").__exit__(None, None, None)
 
 
 def test_a_missing_port_is_named() -> None:
@@ -135,8 +139,14 @@ def test_a_missing_camera_is_named() -> None:
 
 
 def test_a_camera_that_is_taken_is_an_error(sphere_sim: RunningSim) -> None:
-    with opened(sphere_sim, "camera"), pytest.raises(CameraError, match="/dev/video42"):
-        opened(sphere_sim, "camera")
+    config = config_of(sphere_sim).camera
+    assert config is not None
+    second = V4l2Camera(config, MonotonicClock(), sphere_sim.environment)
+    try:
+        with opened(sphere_sim, "camera"), pytest.raises(CameraError, match="/dev/video42: cannot be opened"):
+            second.configure()
+    finally:
+        second.close()
 
 
 def test_an_unplugged_camera_is_an_error(sphere_sim: RunningSim) -> None:
