@@ -6,11 +6,12 @@ A driver's own model derives from one of these, gives `kind` a Literal, and adds
 from pathlib import Path
 from typing import Annotated, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from litrig.base.config import StrictModel
 
 Positive = Annotated[float, Field(gt=0)]
+Turns = Annotated[float, Field(ge=-90_000, le=90_000)]
 Port = Annotated[str, Field(pattern=r"^[^\x00]+$")]
 
 
@@ -23,8 +24,18 @@ class TurntableSection(StrictModel):
     """Where it is plugged in."""
     tolerance_deg: Positive = 0.3
     """How far the angle read back may be from its goal."""
+    min_deg: Turns = -360.0
+    """Lowest angle that the cables allow."""
+    max_deg: Turns = 720.0
+    """Highest angle that the cables allow."""
     park_deg: float = 0.0
     """Where the table rests at the end of a session."""
+
+    @model_validator(mode="after")
+    def _limits_in_order(self) -> Self:
+        if not self.min_deg <= self.park_deg <= self.max_deg:
+            raise ValueError(f"park_deg ({self.park_deg:g}) must lie between min_deg and max_deg, and these in order")
+        return self
 
     @property
     def instrument(self) -> str:

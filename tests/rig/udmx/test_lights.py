@@ -117,7 +117,7 @@ def test_a_host_that_dies_with_a_lamp_lit_leaves_the_dome_dark(dome: RunningSim,
         assert host.stdout is not None
         assert host.stdout.readline() == "lit\n"
         assert len(shining(dome)) == 1
-        with pytest.raises(PortError, match="held by another program"):
+        with pytest.raises(PortError, match="in use by litrig"):
             opened(dome)
         os.kill(host.pid, number)
     await_dark(dome)
