@@ -9,7 +9,7 @@ import serial
 from firmware_sim.launch import RunningSim
 from rig.camera.v4l2 import V4l2Camera
 from rig.clock import MonotonicClock
-from rig.config import RigConfig, TurntableConfig, read_rig
+from rig.config import CameraConfig, RigConfig, TurntableConfig, read_rig
 from rig.dynamixel import registers
 from rig.dynamixel.link import DynamixelLink
 from rig.errors import CameraError, DeviceError, GarbledReplyError, LinkTimeoutError, PortError, PositionLostError
@@ -140,7 +140,7 @@ def test_a_missing_camera_is_named() -> None:
 
 def test_a_camera_that_is_taken_is_an_error(sphere_sim: RunningSim) -> None:
     config = config_of(sphere_sim).camera
-    assert config is not None
+    assert isinstance(config, CameraConfig)
     second = V4l2Camera(config, MonotonicClock(), sphere_sim.environment)
     try:
         with opened(sphere_sim, "camera"), pytest.raises(CameraError, match="/dev/video42: cannot be opened"):

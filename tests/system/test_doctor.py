@@ -5,22 +5,22 @@ import zipfile
 from pathlib import Path
 
 from firmware_sim.launch import RunningSim
-from rig.config import read_rig
+from rig.config import CameraConfig, TurntableConfig, read_rig
 from rig.wire_record import read_record
 from tests.system.command import error_line, litrig
 
 
 def test_a_rig_that_was_found_is_healthy_and_the_bundle_has_its_wires(sphere_sim: RunningSim, tmp_path: Path) -> None:
     given = read_rig(sphere_sim.rig_toml)
-    assert given.turntable is not None
+    assert isinstance(given.turntable, TurntableConfig)
     assert given.arm is not None
-    assert given.camera is not None
+    assert isinstance(given.camera, CameraConfig)
     paths = ("--port", given.turntable.port, "--port", given.arm.port, "--camera", given.camera.device)
     command = ("rig", "init", "-o", tmp_path / "rig.toml", *paths)
     made = litrig(*command, environment=sphere_sim.environment)
     assert made.returncode == 0, made.stderr
     found = read_rig(tmp_path / "rig.toml")
-    assert found.turntable is not None
+    assert isinstance(found.turntable, TurntableConfig)
     assert (found.turntable.port, found.turntable.id) == (given.turntable.port, given.turntable.id)
     assert found.arm == given.arm
     assert "servo 1 at 57600 baud" in made.stdout

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from rig.config import CameraConfig, RigConfig, read_rig
+from rig.config import ArmConfig, CameraConfig, RigConfig, TurntableConfig, read_rig
 from rig.init.discovery import Discovery, FoundCamera, FoundController, FoundServos, Silent
 from rig.init.rig_toml import write_rig_toml
 
@@ -21,9 +21,9 @@ def read_back(found: Discovery, folder: Path) -> RigConfig:
 
 def test_what_was_found_is_what_is_read(tmp_path: Path) -> None:
     config = read_back(Discovery((SERVOS,), (CONTROLLER,), (CAMERA,)), tmp_path)
-    assert config.turntable is not None
+    assert isinstance(config.turntable, TurntableConfig)
     assert (config.turntable.port, config.turntable.baud, config.turntable.id) == ("/dev/ttyA", 1_000_000, 3)
-    assert config.arm is not None
+    assert isinstance(config.arm, ArmConfig)
     assert (config.arm.azimuth_origin_deg, config.arm.elevation_origin_deg) == (-340.0, -85.0)
     assert config.lights is not None
     assert config.lights.kind == "grbl-spindle"
