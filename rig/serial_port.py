@@ -67,4 +67,4 @@ def holders(path: str) -> str:
             names.append(f"process {pid}, {Path('/proc', pid, 'comm').read_text().strip()}")
         except OSError:
             continue
-    return "; ".join(names)
+    return " and ".join(names)

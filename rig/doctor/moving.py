@@ -16,6 +16,7 @@ from rig.rig import Rig, open_rig
 LEAST_CHANGE = 0.004
 """By which a lamp must change the mean of the picture, of full scale: a code of an 8-bit picture."""
 NOISE_FACTOR = 5
+ANGLES_DEG = range(-1080, 1081)
 AZIMUTHS_DEG = (0.0, 90.0, 180.0, 270.0)
 ELEVATIONS_DEG = tuple(float(elevation) for elevation in range(0, 91, 2))
 MOST_LAMPS = 512
@@ -57,10 +58,14 @@ def _turntable(rig: Rig) -> Findings:
     assert config is not None  # noqa: S101  # looked at before
     rig.turntable.home()
     yield part.ok("homing", "ready, torque on")
+    reached = [float(angle) for angle in ANGLES_DEG if _accepts(rig.turntable.check, float(angle))]
+    if not reached:
+        yield part.fault("travel", "reaches no angle at all", "check the turntable's limits in RIG.toml")
+        return
     worst_deg = 0.0
-    for goal_deg in (config.min_deg, config.max_deg, config.park_deg):
+    for goal_deg in (reached[0], reached[-1], config.park_deg):
         worst_deg = max(worst_deg, abs(rig.turn_to(goal_deg).angle_deg - goal_deg))
-    yield part.ok("travel", f"went to {config.min_deg:g}° and {config.max_deg:g}°")
+    yield part.ok("travel", f"went to {reached[0]:g}° and {reached[-1]:g}°")
     yield _arrival(part, worst_deg, config.tolerance_deg)
     rig.turntable.release()
 
@@ -93,15 +98,15 @@ def _arm(rig: Rig) -> Findings:
 def _tour(rig: Rig) -> Iterator[tuple[float, float]]:
     """Yield directions at the edges of what the arm reaches: at four azimuths the lowest and the highest."""
     for azimuth_deg in AZIMUTHS_DEG:
-        reached = [elevation for elevation in ELEVATIONS_DEG if _reaches(rig, azimuth_deg, elevation)]
+        reached = [elevation for elevation in ELEVATIONS_DEG if _accepts(rig.arm.check, azimuth_deg, elevation)]
         if reached:
             yield azimuth_deg, reached[0]
             yield azimuth_deg, reached[-1]
 
 
-def _reaches(rig: Rig, azimuth_deg: float, elevation_deg: float) -> bool:
+def _accepts(check: Callable[..., None], *angles_deg: float) -> bool:
     try:
-        rig.arm.check(azimuth_deg, elevation_deg)
+        check(*angles_deg)
     except OutOfRangeError:
         return False
     return True

@@ -17,7 +17,7 @@ def rule_for(port: str, sys_root: Path = Path("/sys")) -> str:
     port : device path, which may be a link
     sys_root : where the kernel's view of the devices is mounted
     """
-    name = os.path.basename(os.path.realpath(port))  # noqa: PTH119  # also for a path that is gone
+    name = os.path.realpath(port).removeprefix("/dev/")
     ids = _usb_ids(sys_root / "class/tty" / name / "device")
     if ids is None:
         return f'SUBSYSTEM=="tty", KERNEL=="{name}", {GRANT}'

@@ -28,7 +28,7 @@ SECTIONS = {
 class Devices:
     """One rig in memory, with what it was opened for."""
 
-    turntable: FakeTurntable = field(default_factory=FakeTurntable)
+    turntable: FakeTurntable = field(default_factory=lambda: FakeTurntable(-30.0, 60.0))
     arm: FakeArm = field(default_factory=FakeArm)
     lights: FakeLights = field(default_factory=FakeLights)
     lit: float = 120.0
