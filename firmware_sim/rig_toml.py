@@ -1,6 +1,7 @@
 """RIG.toml for the simulated devices, as a person would write it for real ones."""
 
 from firmware_sim.config import ReliefScene, SimConfig, SphereScene
+from firmware_sim.grbl.stepper import stepper_toml
 from firmware_sim.mitsuba.config import MitsubaScene
 
 GRBL_BAUD = 115_200
@@ -15,19 +16,13 @@ def rig_toml(config: SimConfig, turntable_port: str, arm_port: str) -> str:
     config : what is simulated
     turntable_port, arm_port : device paths of the serial ports
     """
-    table, arm, camera = config.turntable, config.arm, config.camera
+    arm, camera = config.arm, config.camera
     lights = 'kind = "grbl-spindle"\npower = 1000' if _is_lit_by_the_arm(config.scene) else 'kind = "always-on"'
     return f"""\
 [rig]
 name = "simulated: {_name(config.scene)}"
 
-[turntable]
-kind = "dynamixel"
-port = "{turntable_port}"
-baud = {table.baud}
-id = {table.id}
-model = "XL430-W250"
-
+{_turntable(config, turntable_port)}
 [arm]
 kind = "grbl"
 port = "{arm_port}"
@@ -48,6 +43,20 @@ pixel_format = "{camera.pixel_format}"
 exposure_ms = {camera.exposure_ms:.1f}
 gain = {camera.gain}
 {_sample(config.scene)}"""
+
+
+def _turntable(config: SimConfig, port: str) -> str:
+    if config.stepper is not None:
+        return stepper_toml(config.stepper, port)
+    table = config.turntable
+    return f"""\
+[turntable]
+kind = "dynamixel"
+port = "{port}"
+baud = {table.baud}
+id = {table.id}
+model = "XL430-W250"
+"""
 
 
 def _name(scene: SphereScene | ReliefScene | MitsubaScene) -> str:

@@ -11,7 +11,7 @@ from rig.config import ArmConfig
 from rig.devices import ArmPose
 from rig.errors import DeviceError, OutOfRangeError
 from rig.grbl import commands
-from rig.grbl.controller import GrblController
+from rig.grbl.controller import GrblController, KeptAlarmError, StillMovingError
 
 GRACE_S = 5.0
 TRIES = 3
@@ -92,11 +92,18 @@ class GrblArm:
     def _follow(self, way: list[Joints], here: Joints) -> None:
         """Drive along a way, and look whether the arm arrived; a line that was damaged on the wire is said again."""
         needed_s = way_time_s(here, way, self._travel)
+        patience_s = 2 * self._slowness() * needed_s + GRACE_S
         for left in reversed(range(TRIES)):
-            for place in way:
-                x, y = self._axes(place)
-                self._controller.command(commands.Move({"X": x, "Y": y}, self._config.speed_deg_s))
-            self._controller.finish_motion(2 * self._slowness() * needed_s + GRACE_S)
+            try:
+                for place in way:
+                    x, y = self._axes(place)
+                    self._controller.command(commands.Move({"X": x, "Y": y}, self._config.speed_deg_s))
+                self._controller.finish_motion(patience_s)
+            except (KeptAlarmError, StillMovingError):  # the goal lies inside and is near: the line was damaged
+                self._controller.halt()
+                if not left or self._config.zones:
+                    raise
+                continue
             found = self._joints()
             off_deg = max(abs(a - b) for a, b in zip(found, way[-1], strict=True))
             if off_deg <= self._config.tolerance_deg:

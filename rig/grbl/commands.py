@@ -33,8 +33,11 @@ class RealTime(Enum):
 
 
 @dataclass(frozen=True)
-class Nothing:
-    """An empty line: its `ok` tells that the firmware reads lines."""
+class Help:
+    """The shortest question: its `ok` tells that the firmware reads lines.
+
+    Behind half a line that somebody has left it makes an error of the whole; an empty line would have it done.
+    """
 
 
 @dataclass(frozen=True)
@@ -105,7 +108,7 @@ class Dark:
     """The output off, once the planner is empty."""
 
 
-Command = Nothing | Home | Unlock | Sleep | AskSettings | SetSetting | Move | Jog | Dwell | Light | Dark
+Command = Help | Home | Unlock | Sleep | AskSettings | SetSetting | Move | Jog | Dwell | Light | Dark
 
 
 def encode(command: Command) -> bytes:
@@ -129,8 +132,8 @@ def may_be_repeated(command: Command) -> bool:
 
 def _text(command: Command) -> str:
     match command:
-        case Nothing():
-            return ""
+        case Help():
+            return "$"
         case Home(axis):
             return f"$H{_axis(axis) if axis else ''}"
         case Unlock():

@@ -13,7 +13,7 @@ from rig.errors import DeviceError, GarbledReplyError, LinkError, LinkTimeoutErr
 from rig.grbl import commands
 from rig.grbl.codec import Alarm, Dialect, Ok, Position, Refusal, Reply, Setting, Status, Text
 from rig.grbl.commands import AXES, Axis, Command, RealTime
-from rig.grbl.line import GrblLine
+from rig.grbl.line import GrblLine, Port
 
 BOOT_S = 3.0
 ANSWER_S = 1.0
@@ -40,6 +40,14 @@ class DimError(DeviceError):
     """The lamp's output does not stand where it was told."""
 
 
+class KeptAlarmError(DeviceError):
+    """An alarm that kept the position; `GrblController.halt` leads out."""
+
+
+class StillMovingError(DeviceError):
+    """The motion has not ended in time."""
+
+
 class GrblController:
     """The controller behind a serial port; arm, turntable and lamp may share it.
 
@@ -49,7 +57,7 @@ class GrblController:
     lost : whether the position was lost since the port was opened
     """
 
-    def __init__(self, path: str, baud: int, clock: Clock) -> None:
+    def __init__(self, path: str, baud: int, clock: Clock, port: Port | None = None) -> None:
         """Open the port and wait until the controller answers: opening resets many boards, which then boot.
 
         Raises
@@ -58,7 +66,7 @@ class GrblController:
             No port, or silence.
         """
         self._clock = clock
-        self._line = GrblLine(path, baud, clock)
+        self._line = GrblLine(path, baud, clock, port)
         self.name = self._line.name
         self.homed = self.lost = False
         self._dialect: Dialect = "grbl"
@@ -68,6 +76,7 @@ class GrblController:
         self._lamp_guarded = False
         self._booted = False
         self._locked_but_known = False
+        self._ready = False
         try:
             self._wait_for_boot()
         except LinkError:
@@ -95,6 +104,10 @@ class GrblController:
             No answer in time, or a damaged one.
         """
         line = commands.encode(command)
+        if not self._ready:
+            self.make_ready()
+        if self._locked_but_known and not isinstance(command, commands.Unlock):
+            raise DeviceError(f"{self.name}: locked after an alarm that kept its position; stop it, then go on")
         self._release_lamp_guard()
         repeats = TRIES if commands.may_be_repeated(command) and not watch else 1
         for left in reversed(range(repeats)):
@@ -119,7 +132,7 @@ class GrblController:
         while (report := self.status()).state != "Idle":
             self._refuse_standstill(report, "the end of motion")
             if self._clock.now_s() > deadline_s:
-                raise DeviceError(f"{self.name}: still in state {report.state} after {timeout_s:.0f} s; home it")
+                raise StillMovingError(f"{self.name}: still in state {report.state} after {timeout_s:.0f} s; home it")
             self._clock.sleep(POLL_S)
 
     # Reports
@@ -221,14 +234,17 @@ class GrblController:
 
     def make_ready(self) -> None:
         """See that lines are heard: end what an earlier run left, be it a motion, a hold or a dwell."""
+        self._ready = True
         report = self.status()
         if report.state not in ("Idle", "Alarm") or self._lamp_guarded:
             self.halt()
             return
-        self._line.write(commands.encode(commands.Nothing()))
+        self._line.write(commands.encode(commands.Help()))
         try:
-            self._await_ok("an empty line", self._clock.now_s() + ANSWER_S)
-        except LinkTimeoutError:
+            self._await_ok("$", self._clock.now_s() + ANSWER_S)
+        except RefusedError:
+            return  # half a line was left; now it is gone
+        except (LinkTimeoutError, GarbledReplyError):
             self.halt()
 
     def hold(self) -> None:
@@ -327,13 +343,15 @@ class GrblController:
             )
 
     def _wait_for_boot(self) -> None:
-        deadline_s = self._clock.now_s() + BOOT_S
+        silent_s, deadline_s = self._clock.now_s() + BOOT_S, self._clock.now_s() + 2 * BOOT_S
         while True:
             try:
                 self.status(tries=1)
             except DeviceError:
                 continue  # an alarm of before our time: the state tells it
             except (LinkTimeoutError, GarbledReplyError):
+                if self._clock.now_s() > silent_s:
+                    self._line.act(RealTime.RESET)  # after a limit alarm it hears nothing else
                 if self._clock.now_s() > deadline_s:
                     raise LinkTimeoutError(
                         f"{self.name}: silent; check its power and cable, and that it runs GRBL 1.1 at this baud rate"
@@ -349,7 +367,7 @@ class GrblController:
 
     def _resynchronise(self) -> None:
         """End a line that may have lost its end, and throw away what is late."""
-        self._line.write(commands.encode(commands.Nothing()))
+        self._line.write(commands.encode(commands.Help()))
         self._notice(self._line.drain(SILENCE_S))
 
     def _unlock_if_kept(self) -> None:
@@ -419,7 +437,7 @@ class GrblController:
     def _alarm_error(self, what: str, alarm: Alarm) -> DeviceError:
         if alarm.position_lost:
             return PositionLostError(f"{self.name}: {what}: {alarm}; its position is lost, home it")
-        return DeviceError(f"{self.name}: {what}: {alarm}; its position is kept, stop it and ask for another goal")
+        return KeptAlarmError(f"{self.name}: {what}: {alarm}; its position is kept, stop it and ask for another goal")
 
     def _await(
         self, pick: Callable[[Reply], Picked | None], timeout_s: float, what: str, *, loudly: bool = True
@@ -438,7 +456,7 @@ def _banner(reply: Reply) -> Text | None:
 
 
 def _name(command: Command) -> str:
-    return commands.encode(command).decode("ascii").strip() or "an empty line"
+    return commands.encode(command).decode("ascii").strip()
 
 
 def _agree(one: Position, other: Position) -> bool:

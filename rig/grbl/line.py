@@ -1,5 +1,7 @@
 """Lines in from a GRBL controller's port, commands out: no protocol beyond that."""
 
+from typing import Protocol
+
 import serial
 
 from rig.clock import Clock
@@ -13,11 +15,24 @@ POLL_S = 0.002
 LONGEST_LINE = 4096
 
 
+class Port(Protocol):
+    """What is asked of a serial port."""
+
+    def read(self, size: int, /) -> bytes:
+        """Return what has come, at once."""
+
+    def write(self, content: bytes, /) -> int | None:
+        """Send."""
+
+    def close(self) -> None:
+        """Give it back."""
+
+
 class GrblLine:
     """An open port. It can be read by one thread only."""
 
-    def __init__(self, path: str, baud: int, clock: Clock) -> None:
-        """Open the port, for this program alone.
+    def __init__(self, path: str, baud: int, clock: Clock, port: Port | None = None) -> None:
+        """Open the port, for this program alone, unless there is an open one.
 
         Raises
         ------
@@ -26,7 +41,7 @@ class GrblLine:
         """
         self.name = f"GRBL controller on {path}"
         self._clock = clock
-        self._port: serial.Serial = open_serial(path, baud)
+        self._port: Port = port or open_serial(path, baud)
         self._pending = b""
 
     def write(self, content: bytes) -> None:

@@ -12,7 +12,7 @@ from rig.errors import DeviceError, OutOfRangeError, PositionLostError
 from rig.grbl import commands
 from rig.grbl.commands import AXES
 from rig.grbl.config import StepperTurntableConfig
-from rig.grbl.controller import GrblController
+from rig.grbl.controller import GrblController, KeptAlarmError, StillMovingError
 
 GRACE_S = 3.0
 TRIES = 3
@@ -125,8 +125,14 @@ class GrblTurntable:
         speed_deg_s = min(config.speed_deg_s, self._controller.settings().get(RATE + self._axis, math.inf) / 60)
         patience_s = 2 * (abs(angle_deg - from_deg) + config.backlash_deg) / speed_deg_s + GRACE_S
         for left in reversed(range(TRIES)):
-            self._controller.command(commands.Move({config.axis: goal}, config.speed_deg_s))
-            self._controller.finish_motion(patience_s)
+            try:
+                self._controller.command(commands.Move({config.axis: goal}, config.speed_deg_s))
+                self._controller.finish_motion(patience_s)
+            except (KeptAlarmError, StillMovingError):  # the goal lies inside and is near: the line was damaged
+                self._controller.halt()
+                if not left:
+                    raise
+                continue
             at_deg = self.locate().angle_deg
             if abs(at_deg - angle_deg) <= config.tolerance_deg:
                 return

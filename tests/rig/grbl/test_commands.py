@@ -21,7 +21,7 @@ from rig.grbl.commands import AXES, Axis, Command, Dwell, Home, Jog, Light, Move
         pytest.param(Light(750), b"G21G94G1F100M3S750.0\n", id="a lamp is a spindle, lit in laser mode too"),
         pytest.param(commands.Dark(), b"M5\n", id="dark"),
         pytest.param(SetSetting(130, 360), b"$130=360.000\n", id="setting"),
-        pytest.param(commands.Nothing(), b"\n", id="empty line"),
+        pytest.param(commands.Help(), b"$\n", id="help"),
     ],
 )
 def test_commands_are_lines(command: Command, line: bytes) -> None:
