@@ -11,11 +11,12 @@ from rig.config import ArmConfig
 from rig.devices import ArmPose
 from rig.errors import DeviceError, OutOfRangeError
 from rig.grbl import commands
-from rig.grbl.controller import GrblController, KeptAlarmError, StillMovingError
+from rig.grbl.controller import GrblController
+from rig.grbl.errors import KeptAlarmError, StillMovingError
+from rig.grbl.settings import RATE, SOFT_LIMITS, TRAVEL
 
 GRACE_S = 5.0
 TRIES = 3
-SOFT_LIMITS, HOMING_DIRECTIONS, RATE, TRAVEL = 20, 23, 110, 130
 
 
 class GrblArm:

@@ -1,8 +1,4 @@
-"""A conversation with a GRBL controller: one line in flight, each answered before the next is sent.
-
-The one exception is the lamp: behind the line that lights it waits a dwell and a line that darkens it, so that the
-firmware itself puts the lamp out if nobody speaks any more. GRBL has no watchdog to do that.
-"""
+"""A conversation with a GRBL controller: one line in flight, each answered before the next is sent."""
 
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -13,6 +9,7 @@ from rig.errors import DeviceError, GarbledReplyError, LinkError, LinkTimeoutErr
 from rig.grbl import commands
 from rig.grbl.codec import Alarm, Dialect, Ok, Position, Refusal, Reply, Setting, Status, Text
 from rig.grbl.commands import AXES, Axis, Command, RealTime
+from rig.grbl.errors import KeptAlarmError, RefusedError, StillMovingError
 from rig.grbl.line import GrblLine, Port
 
 BOOT_S = 3.0
@@ -30,22 +27,6 @@ STILL_DEG = 0.0015
 """Two positions that differ by no more were read at rest: reports have three decimals."""
 
 Picked = TypeVar("Picked")
-
-
-class RefusedError(DeviceError):
-    """A line was answered with `error:N`."""
-
-
-class DimError(DeviceError):
-    """The lamp's output does not stand where it was told."""
-
-
-class KeptAlarmError(DeviceError):
-    """An alarm that kept the position; `GrblController.halt` leads out."""
-
-
-class StillMovingError(DeviceError):
-    """The motion has not ended in time."""
 
 
 class GrblController:
@@ -73,7 +54,7 @@ class GrblController:
         self._work_offset: Position | None = None
         self._settings: dict[int, float] | None = None
         self._was_reset = False
-        self._lamp_guarded = False
+        self._guarded = False
         self._booted = False
         self._locked_but_known = False
         self._ready = False
@@ -108,7 +89,7 @@ class GrblController:
             self.make_ready()
         if self._locked_but_known and not isinstance(command, commands.Unlock):
             raise DeviceError(f"{self.name}: locked after an alarm that kept its position; stop it, then go on")
-        self._release_lamp_guard()
+        self._release_guard()
         repeats = TRIES if commands.may_be_repeated(command) and not watch else 1
         for left in reversed(range(repeats)):
             self._notice(self._line.waiting())
@@ -120,6 +101,19 @@ class GrblController:
                     raise
                 self._resynchronise()
         raise AssertionError("unreachable")
+
+    def send_guarded(self, first: Command, *rest: Command) -> None:
+        """Send several lines in one go and wait for the first one's `ok`; the rest waits in the controller.
+
+        It takes no other line until those are done, so that the next command first ends them by a soft reset.
+        """
+        if not self._ready:
+            self.make_ready()
+        self._release_guard()
+        self._notice(self._line.waiting())
+        self._guarded = True
+        self._line.write(b"".join(commands.encode(command) for command in (first, *rest)))
+        self._await_ok(_name(first), self._clock.now_s() + ANSWER_S)
 
     def finish_motion(self, timeout_s: float) -> None:
         """Wait until the planner is empty: the `ok` of a dwell comes when all before it is done.
@@ -188,34 +182,17 @@ class GrblController:
 
     # Settings
 
-    def settings(self) -> Mapping[int, float]:
+    @property
+    def hangs_on_settings(self) -> bool:
+        """Whether a setting must not be written any more: after a soft reset grblHAL may hang then."""
+        return self._was_reset and self._dialect == "grblHAL"
+
+    def settings(self, *, anew: bool = False) -> Mapping[int, float]:
         """Read the `$` settings, once; those that are no numbers are left out."""
-        if self._settings is None:
+        if self._settings is None or anew:
             listed = self.command(commands.AskSettings(), 2 * ANSWER_S)
             self._settings = {setting.number: setting.value for setting in listed}
         return self._settings
-
-    def ensure_settings(self, wanted: Mapping[int, float]) -> None:
-        """Change the settings that differ, and read them back.
-
-        Raises
-        ------
-        DeviceError
-            One cannot be changed. After a soft reset none is: grblHAL may hang then.
-        """
-        differing = {number: value for number, value in wanted.items() if self.settings().get(number) != value}
-        if differing and self._was_reset:
-            names = ", ".join(f"${number}" for number in differing)
-            raise DeviceError(
-                f"{self.name}: {names} cannot be changed after a reset; switch it off and on, and try again"
-            )
-        for number, value in differing.items():
-            self.command(commands.SetSetting(number, value))
-        if differing:
-            self._settings = None
-        for number, value in differing.items():
-            if (kept := self.settings().get(number)) != value:
-                raise DeviceError(f"{self.name}: ${number} is {kept}, not {value:g}; mend settings in RIG.toml")
 
     # Motion and its end
 
@@ -236,7 +213,7 @@ class GrblController:
         """See that lines are heard: end what an earlier run left, be it a motion, a hold or a dwell."""
         self._ready = True
         report = self.status()
-        if report.state not in ("Idle", "Alarm") or self._lamp_guarded:
+        if report.state not in ("Idle", "Alarm") or self._guarded:
             self.halt()
             return
         self._line.write(commands.encode(commands.Help()))
@@ -276,7 +253,7 @@ class GrblController:
     def reset(self) -> None:
         """Reset softly, and wait for the banner. After an alarm it is deaf for a while."""
         self._was_reset = True
-        self._lamp_guarded = False
+        self._guarded = False
         for _ in range(RESETS):
             self._notice(self._line.waiting(), loudly=False)
             self._line.act(RealTime.RESET)
@@ -294,53 +271,11 @@ class GrblController:
         self.homed = False
         self.command(commands.Sleep())
 
-    # The lamp
-
-    def light(self, power: float, limit_s: float | None) -> None:
-        """Light the output, for `limit_s` at most: after that the firmware darkens it, with or without us.
-
-        The line that darkens waits in the controller's receive buffer, behind a dwell. So the controller takes no line
-        until that is over; the next command first ends it by a soft reset, which darkens at once.
-        """
-        for left in reversed(range(TRIES)):
-            try:
-                self._light(commands.Light(power), limit_s)
-                self._check_light(power)
-            except (RefusedError, GarbledReplyError, LinkTimeoutError, DimError):
-                self.reset()
-                if not left:
-                    raise
-            else:
-                return
-
-    def darken(self) -> None:
-        """Darken the output, now."""
-        self.command(commands.Dark(), STOP_S)
-
     def close(self) -> None:
         """Give the port back."""
         self._line.close()
 
     # Within
-
-    def _light(self, lit: commands.Light, limit_s: float | None) -> None:
-        if limit_s is None:
-            self.command(lit)
-            return
-        self._release_lamp_guard()
-        self._notice(self._line.waiting())
-        guard = (lit, commands.Dwell(limit_s), commands.Dark())
-        self._lamp_guarded = True
-        self._line.write(b"".join(commands.encode(part) for part in guard))  # in one go: there is no instant without
-        self._await_ok(_name(lit), self._clock.now_s() + ANSWER_S)
-
-    def _check_light(self, power: float) -> None:
-        """Compare with what the report says of the output: a lost digit or somebody's override dims the lamp."""
-        told = self.status().fields.get("FS", "").split(",")
-        if len(told) == 2 and told[1].replace(".", "", 1).isdigit() and abs(float(told[1]) - power) > 1:
-            raise DimError(
-                f"{self.name}: the output stands at {told[1]}, told was {power:g}; check $30, $31 and the overrides"
-            )
 
     def _wait_for_boot(self) -> None:
         silent_s, deadline_s = self._clock.now_s() + BOOT_S, self._clock.now_s() + 2 * BOOT_S
@@ -361,8 +296,8 @@ class GrblController:
                 self.lost = False
                 return
 
-    def _release_lamp_guard(self) -> None:
-        if self._lamp_guarded:
+    def _release_guard(self) -> None:
+        if self._guarded:
             self.reset()
 
     def _resynchronise(self) -> None:

@@ -10,6 +10,7 @@ from rig.grbl.arm import GrblArm
 from rig.grbl.config import StepperTurntableConfig
 from rig.grbl.controller import GrblController
 from rig.grbl.lamp import SpindleLamp
+from rig.grbl.settings import ensure_settings
 from rig.grbl.turntable import GrblTurntable
 
 NO_SETTINGS: Mapping[int, float] = {}
@@ -17,7 +18,7 @@ NO_SETTINGS: Mapping[int, float] = {}
 
 def _controller(port: str, baud: int, bench: Bench, settings: Mapping[int, float] = NO_SETTINGS) -> GrblController:
     controller = bench.link(GrblController, port, lambda: GrblController(port, baud, bench.clock))
-    controller.ensure_settings(settings)
+    ensure_settings(controller, settings)
     return controller
 
 

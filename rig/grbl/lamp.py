@@ -4,19 +4,20 @@ from rig.clock import Clock
 from rig.config import SpindleLampConfig
 from rig.errors import DeviceError, OutOfRangeError
 from rig.grbl.controller import GrblController
-
-FULL_POWER = 30
+from rig.grbl.output import Output
+from rig.grbl.settings import FULL_POWER
 
 
 class SpindleLamp:
     """Fits `rig.devices.Lights`, with one lamp.
 
-    The firmware has no watchdog, so the lamp is lit on credit: see `GrblController.light`. Laser mode ($32=1), which
+    The firmware has no watchdog, so the lamp is lit on credit: see `rig.grbl.output`. Laser mode ($32=1), which
     besides darkens the output on every hold, makes no difference here.
     """
 
     def __init__(self, controller: GrblController, config: SpindleLampConfig, clock: Clock) -> None:
         self._controller, self._config, self._clock = controller, config, clock
+        self._output = Output(controller)
 
     def check(self, lamp: int) -> None:
         """Refuse any lamp but the first."""
@@ -38,12 +39,12 @@ class SpindleLamp:
                 f"lights: power {self._config.power:g} exceeds the controller's full power $30 = {full:g}; mend one "
                 "of them"
             )
-        self._controller.light(self._config.power, self._config.timeout_s or None)
+        self._output.light(self._config.power, self._config.timeout_s or None)
         self._clock.sleep(self._config.warm_up_s)
 
     def switch_off(self) -> None:
         """Darken the lamp."""
-        self._controller.darken()
+        self._output.darken()
 
     def close(self) -> None:
         """Give the controller's port back, which the arm does too."""

@@ -12,11 +12,12 @@ from rig.errors import DeviceError, OutOfRangeError, PositionLostError
 from rig.grbl import commands
 from rig.grbl.commands import AXES
 from rig.grbl.config import StepperTurntableConfig
-from rig.grbl.controller import GrblController, KeptAlarmError, StillMovingError
+from rig.grbl.controller import GrblController
+from rig.grbl.errors import KeptAlarmError, StillMovingError
+from rig.grbl.settings import RATE, SOFT_LIMITS, STEPS, TRAVEL
 
 GRACE_S = 3.0
 TRIES = 3
-SOFT_LIMITS, STEPS, RATE, TRAVEL = 20, 100, 110, 130
 
 
 class GrblTurntable:
