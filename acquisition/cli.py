@@ -76,8 +76,11 @@ def amc(rig_toml: Path, folder: Path, slices: int, object_id: str, tangent_zero_
 def ptm(rig_toml: Path, folder: Path, lights: int, object_id: str) -> None:
     """Shoot a PTM session: a still object under a lamp that moves."""
     from acquisition.plans import PtmPlan
+    from rig.config import ArmConfig, read_rig
 
-    _capture(rig_toml, PtmPlan(lights), folder, object_id, 0.0)
+    arm = read_rig(rig_toml).arm
+    plan = PtmPlan(lights, arm=arm if isinstance(arm, ArmConfig) else None)
+    _capture(rig_toml, plan, folder, object_id, 0.0)
 
 
 @capture.command(epilog="Example: litrig capture verify coin")
