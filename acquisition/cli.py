@@ -87,11 +87,12 @@ def ptm(rig_toml: Path, folder: Path, lights: int, object_id: str) -> None:
     """Shoot a PTM session: a still object under a lamp that moves, or under the lamps of a dome."""
     from acquisition.dome_plan import DomePlan
     from acquisition.plans import PtmPlan
-    from rig.config import read_rig
+    from rig.config import ArmConfig, read_rig
 
     config = read_rig(rig_toml)
     directions_deg = () if config.lights is None else config.lights.directions_deg
-    plan: Plan = DomePlan(lights, directions_deg) if directions_deg else PtmPlan(lights)
+    arm = config.arm if isinstance(config.arm, ArmConfig) else None
+    plan: Plan = DomePlan(lights, directions_deg) if directions_deg else PtmPlan(lights, arm=arm)
     _capture(config, plan, folder, object_id, 0.0)
 
 

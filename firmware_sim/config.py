@@ -7,6 +7,8 @@ from typing import Annotated, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from firmware_sim.errors import SimConfigError
+from firmware_sim.grbl.config import GrblFaults, Settings, StepperSim
+from firmware_sim.grbl.dialect import DialectName
 from firmware_sim.mitsuba.config import MitsubaScene
 from firmware_sim.udmx.config import DomeSim
 
@@ -29,7 +31,7 @@ class TurntableSim(_Strict):
 
 
 class ArmSim(_Strict):
-    """A light arm on a controller with GRBL 1.1h: X is azimuth, Y is elevation, both in degrees."""
+    """A light arm on a controller with GRBL: X is azimuth, Y is elevation, both in degrees."""
 
     azimuth_travel_deg: float = Field(default=360, gt=0, le=720)
     """Machine coordinates X go from minus this to 0, where the limit switch is."""
@@ -39,6 +41,12 @@ class ArmSim(_Strict):
     """Where the arm truly stands when the power comes on; the controller does not know it before it is homed."""
     start_elevation_deg: float = Field(default=55, ge=0, le=180)
     """The same for the elevation."""
+    dialect: DialectName = "grbl"
+    """Firmware: GRBL 1.1h, or grblHAL."""
+    settings: Settings = Field(default_factory=dict)
+    """Further `$` settings, as $21 for hard limits."""
+    faults: GrblFaults = GrblFaults()
+    """What goes wrong with it."""
 
 
 class CameraSim(_Strict):
@@ -110,6 +118,8 @@ class SimConfig(_Strict):
     """Everything that SIM.toml can say; what it leaves out is the brushed sphere's rig."""
 
     turntable: TurntableSim = TurntableSim()
+    stepper: StepperSim | None = None
+    """A turntable on a GRBL axis in place of the servo."""
     arm: ArmSim = ArmSim()
     dome: DomeSim | None = None
     """Lamps on a dome in place of the arm's; only the relief is lit by them."""

@@ -1,6 +1,6 @@
 """The mishaps that can be asked for over the side channel, by name."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field, validate_call
 
@@ -8,6 +8,7 @@ from firmware_sim.camera.shared_frame import SharedFrame
 from firmware_sim.devices import Devices
 from firmware_sim.dynamixel.faults import Delay, FlipBit, Mute, ReplyFault
 from firmware_sim.dynamixel.servo import SHUTDOWN_CAUSES
+from firmware_sim.grbl.faults import grbl_faults
 from firmware_sim.side_channel import Answer, Handler
 
 Replies = Annotated[int, Field(ge=1, le=100_000)]
@@ -59,15 +60,9 @@ def turntable_faults(devices: Devices) -> dict[str, Handler]:
 
 
 def arm_faults(devices: Devices) -> dict[str, Handler]:
-    """Return what can befall the light arm."""
-
-    @validate_call
-    def switches(fault: Literal["none", "stuck", "dead"]) -> Answer:
-        """Let all limit switches read pressed, or never pressed, or mend them."""
-        devices.arm.break_switches(fault)
-        return {}
-
-    return {"arm.switches": switches}
+    """Return what can befall the light arm, and a stepper turntable that has a controller of its own."""
+    table = {} if devices.grbl.table is None else grbl_faults("stepper", devices.grbl.table)
+    return grbl_faults("arm", devices.grbl.arm) | table
 
 
 def camera_faults(shared: SharedFrame) -> dict[str, Handler]:

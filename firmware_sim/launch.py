@@ -125,9 +125,16 @@ def simulated_rig(config: SimConfig, folder: Path | None = None, cache: Path | N
         (folder / CONFIG_NAME).write_text(config.model_dump_json(), encoding="utf-8")
         ports = stack.enter_context(_server(folder, (cache or default_root()).resolve(), variant))
         rig = folder / RIG_NAME
-        rig.write_text(rig_toml(config, ports["turntable"], ports["arm"], str(folder / USB_NAME)), encoding="utf-8")
+        text = rig_toml(config, _table_port(config, ports), ports["arm"], str(folder / USB_NAME))
+        rig.write_text(text, encoding="utf-8")
         channel = stack.enter_context(SideChannel(folder / CHANNEL_NAME))
         yield RunningSim(rig, _environment(config, folder, shim), channel)
+
+
+def _table_port(config: SimConfig, ports: dict[str, str]) -> str:
+    if config.stepper is None:
+        return ports["turntable"]
+    return ports["arm"] if config.stepper.on_the_arm else ports["stepper"]
 
 
 def _environment(config: SimConfig, folder: Path, shim: Path) -> dict[str, str]:

@@ -1,6 +1,7 @@
 """RIG.toml for the simulated devices, as a person would write it for real ones."""
 
 from firmware_sim.config import ReliefScene, SimConfig, SphereScene
+from firmware_sim.grbl.stepper import stepper_toml
 from firmware_sim.mitsuba.config import MitsubaScene
 from firmware_sim.udmx.rig_toml import dome_toml
 
@@ -17,19 +18,13 @@ def rig_toml(config: SimConfig, turntable_port: str, arm_port: str, usb_address:
     turntable_port, arm_port : device paths of the serial ports
     usb_address : of the USB bus
     """
-    table, camera = config.turntable, config.camera
+    camera = config.camera
     lights = _on_the_arm(config, arm_port) if config.dome is None else dome_toml(config.dome, usb_address)
     return f"""\
 [rig]
 name = "simulated: {_name(config.scene)}"
 
-[turntable]
-kind = "dynamixel"
-port = "{turntable_port}"
-baud = {table.baud}
-id = {table.id}
-model = "XL430-W250"
-
+{_turntable(config, turntable_port)}
 {lights}
 [camera]
 kind = "v4l2"
@@ -56,6 +51,20 @@ elevation_origin_deg = {-arm.elevation_travel_deg:.1f}
 
 [lights]
 {lights}
+"""
+
+
+def _turntable(config: SimConfig, port: str) -> str:
+    if config.stepper is not None:
+        return stepper_toml(config.stepper, port)
+    table = config.turntable
+    return f"""\
+[turntable]
+kind = "dynamixel"
+port = "{port}"
+baud = {table.baud}
+id = {table.id}
+model = "XL430-W250"
 """
 
 

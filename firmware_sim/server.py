@@ -63,9 +63,27 @@ class Server:
         self._relevance = relevance_of(config.scene)
         self._running = True
         self._devices = Devices(config, clock)
-        self._wires = {"turntable": Wire(self._devices.bus, clock), "arm": Wire(self._devices.arm, clock)}
+        self._wires = {"turntable": Wire(self._devices.bus, clock), "arm": Wire(self._devices.grbl.arm, clock)}
+        if self._devices.grbl.table is not None:
+            self._wires["stepper"] = Wire(self._devices.grbl.table, clock)
+        self._schedule()
         self._channel = SideChannelServer(folder / CHANNEL_NAME, self._handlers())
         self._usb = UsbServer(folder / USB_NAME, self._devices.usb)
+
+    def _schedule(self) -> None:
+        """Note when a supply is to fail."""
+        grbl, config = self._devices.grbl, self._config
+        pairs = ((grbl.arm, config.arm.faults), (grbl.table, config.stepper.faults if config.stepper else None))
+        self._losses = [
+            (self._clock() + faults.power_loss_at_s, wire.controller, faults.power_loss_s)
+            for wire, faults in pairs
+            if wire is not None and faults is not None and faults.power_loss_at_s is not None
+        ]
+
+    def _lose_power_if_due(self) -> None:
+        for loss in [loss for loss in self._losses if loss[0] <= self._clock()]:
+            self._losses.remove(loss)
+            loss[1].lose_power(loss[2])
 
     @property
     def ports(self) -> dict[str, str]:
@@ -80,6 +98,7 @@ class Server:
         Without the renderer the devices go on; who asks for progress is told that it is lost.
         """
         while self._running:
+            self._lose_power_if_due()
             for wire in self._wires.values():
                 wire.service()
             if studio.poll() is not None:
@@ -136,7 +155,7 @@ class Server:
         return {
             "time_s": now_s,
             "turntable_deg": turntable_deg,
-            "turntable_moving": self._devices.servo.is_turning(),
+            "turntable_moving": self._devices.turntable_is_moving(),
             "azimuth_deg": azimuth_deg,
             "elevation_deg": elevation_deg,
             "arm_state": self._devices.arm.state,

@@ -169,7 +169,11 @@ def _origin(entry: EntryPoint) -> str:
 
 
 TURNTABLES: Registry[TurntableSection, Turntable] = Registry(
-    "turntable", "litrig.turntables", TurntableSection, {"dynamixel": "rig.dynamixel.driver:TURNTABLE"}, "dynamixel"
+    "turntable",
+    "litrig.turntables",
+    TurntableSection,
+    {"dynamixel": "rig.dynamixel.driver:TURNTABLE", "grbl": "rig.grbl.driver:TURNTABLE"},
+    "dynamixel",
 )
 ARMS: Registry[ArmSection, LightArm] = Registry(
     "arm", "litrig.arms", ArmSection, {"grbl": "rig.grbl.driver:ARM"}, "grbl"

@@ -8,6 +8,7 @@ import serial
 from rig.clock import Clock
 from rig.errors import GarbledReplyError
 from rig.grbl import codec
+from rig.grbl.commands import RealTime
 
 BAUD = 115_200
 POLL_S = 0.005
@@ -34,7 +35,7 @@ class ControllerWire:
         """Ask for a status report until one comes; opening a port resets many boards, which then boot."""
         until_s = self._clock.now_s() + patience_s
         while True:
-            for line in self._ask(codec.STATUS_REPORT, min(ASK_AGAIN_S, patience_s), r"<.*>").lines:
+            for line in self._ask(RealTime.STATUS.value, min(ASK_AGAIN_S, patience_s), r"<.*>").lines:
                 try:
                     reply = codec.parse_line(line.encode())
                 except GarbledReplyError:

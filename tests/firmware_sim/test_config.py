@@ -17,7 +17,7 @@ def test_the_amc_example_states_every_default() -> None:
     path = EXAMPLES / "sim-amc.toml"
     assert read_sim(path) == SimConfig()
     stated = tomllib.loads(path.read_text("utf-8"))
-    assert stated.keys() == SimConfig.model_fields.keys() - {"dome"}
+    assert stated.keys() == SimConfig.model_fields.keys() - {"dome", "stepper"}, "which take the place of others"
     for name, table in stated.items():
         assert table.keys() == type(getattr(SimConfig(), name)).model_fields.keys()
 
@@ -32,6 +32,20 @@ def test_the_dome_example_states_every_default_of_a_dome() -> None:
     assert config.dome == DomeSim()
     stated = tomllib.loads(path.read_text("utf-8"))["dome"]
     assert stated.keys() == DomeSim.model_fields.keys() - {"swapped"}
+
+
+@pytest.mark.parametrize(
+    ("stepper", "kind"),
+    [
+        pytest.param({"axis": "X"}, 'zero = "switch"', id="on a controller of its own"),
+        pytest.param({"axis": "A", "on_the_arm": True}, 'port = "/arm"', id="on the arm's"),
+    ],
+)
+def test_a_stepper_is_described_in_the_servos_place(stepper: dict[str, object], kind: str) -> None:
+    config = SimConfig.model_validate({"stepper": {"switch_deg": 360, **stepper}})
+    text = rig_toml(config, "/arm" if config.stepper is not None and config.stepper.on_the_arm else "/table", "/arm")
+    assert kind in text
+    assert "dynamixel" not in text
 
 
 BROKEN = [

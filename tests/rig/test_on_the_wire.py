@@ -216,9 +216,9 @@ def test_an_alarm_that_comes_unasked_is_not_overheard(relief_sim: RunningSim) ->
         rig.home()
         port = config_of(relief_sim).arm
         assert port is not None
-        rig.arm._controller._write(b"$J=G91 X-200 F6000\n")  # type: ignore[attr-defined]  # motion behind its back
+        rig.arm._controller._line.write(b"$J=G91 X-200 F6000\n")  # type: ignore[attr-defined]  # motion behind its back
         rig.clock.sleep(0.3)
-        rig.arm._controller._write(b"\x18")  # type: ignore[attr-defined]  # a reset in motion: alarm 3
+        rig.arm._controller._line.write(b"\x18")  # type: ignore[attr-defined]  # a reset in motion: alarm 3
         rig.clock.sleep(0.8)
         with pytest.raises(PositionLostError, match="alarm 3"):
             rig.arm.locate()
