@@ -149,6 +149,9 @@ class SimulatedBackend(usb.backend.IBackend):  # type: ignore[misc]  # pyusb shi
             answer = self._channel.request(do, **parameters)
         except SideChannelError as error:  # the whole bus has gone
             raise _error(errno.ENODEV) from error
+        except BaseException:  # a signal broke in: the answer that is still to come must not be taken for the next
+            self._channel.close()
+            raise
         if "errno" in answer:
             raise _error(answer["errno"])
         return answer

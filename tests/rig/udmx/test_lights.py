@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from typing import Any
 
 import pytest
@@ -15,18 +16,21 @@ from firmware_sim.launch import RunningSim, simulated_rig
 from firmware_sim.udmx.dimmers import FRAME_S
 from rig.config import read_rig
 from rig.errors import PortError
+from rig.interrupts import StopNow
 from rig.rig import Rig, RigState, open_rig
 from rig.udmx.config import UdmxConfig, UdmxLamp
 from rig.udmx.guard import Guard
-from rig.udmx.lights import UdmxLights
+from rig.udmx.lights import UdmxLights, levels
 from tests.rig.udmx.bench import LampBench
 
+LAMP_2_DARK = "400100000200"
 LIGHT_AND_WAIT = """
 import sys
 from pathlib import Path
 from rig.config import read_rig
+from rig.interrupts import Interrupts
 from rig.rig import open_rig
-with open_rig(read_rig(Path(sys.argv[1])), use=frozenset({"lights"})) as rig:
+with Interrupts(can_pause=False), open_rig(read_rig(Path(sys.argv[1])), use=frozenset({"lights"})) as rig:
     rig.lights.switch_on(2)
     print("lit", flush=True)
     sys.stdin.readline()
@@ -120,6 +124,46 @@ def test_a_host_that_dies_with_a_lamp_lit_leaves_the_dome_dark(dome: RunningSim,
         with pytest.raises(PortError, match="in use by litrig"):
             opened(dome)
         os.kill(host.pid, number)
+    await_dark(dome)
+
+
+def test_a_stop_in_the_middle_of_a_transfer_leaves_all_dark(dome: RunningSim) -> None:
+    def stop(*_: object) -> None:
+        raise StopNow
+
+    before = signal.signal(signal.SIGALRM, stop)
+    stopped = 0
+    try:
+        with opened(dome) as rig:
+            for trial in range(60):
+                with suppress(StopNow):
+                    signal.setitimer(signal.ITIMER_REAL, 0.0005 + 0.0001 * (trial % 30))
+                    try:
+                        for lamp in range(8):
+                            rig.lights._link.show(levels(rig.config.lights, lamp))  # type: ignore[attr-defined, arg-type]
+                    except StopNow:
+                        stopped += 1
+                    finally:
+                        signal.setitimer(signal.ITIMER_REAL, 0)
+                assert rig.hold() == []
+                assert not any(bytes.fromhex(dome.side_channel.status()["usb"][0]["slots"]))
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    assert stopped > 20
+
+
+def test_sigterm_darkens_the_dome_before_the_program_ends(dome: RunningSim) -> None:
+    command = [sys.executable, "-c", LIGHT_AND_WAIT, str(dome.rig_toml)]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, text=True) as host:
+        assert host.stdout is not None
+        assert host.stdout.readline() == "lit\n"
+        sent_s = time.monotonic()
+        host.terminate()
+        assert host.wait(20) != 0
+    recent = dome.side_channel.status()["usb"][0]["recent"]
+    heard_s = [time_s for time_s, _, transfer in recent if transfer.startswith(LAMP_2_DARK)]
+    assert sent_s < heard_s[-1]
     await_dark(dome)
 
 
