@@ -79,7 +79,7 @@ def test_a_servo_on_the_controllers_port_means_swapped_ports(clock: FakeClock, t
 def test_silence_is_told_in_time(clock: FakeClock, tmp_path: Path) -> None:
     findings = examined(clock, Silence(), tmp_path)
     assert "no GRBL controller answers on /dev/ttyARM at 115200 baud" in findings["answer"].what
-    assert clock.now_s() < 104.5
+    assert clock.now_s() < 103.6
 
 
 class Dialect:
