@@ -27,13 +27,13 @@ def check_controller(bench: Bench, part_name: str, path: str, baud: int) -> Find
         return
     with closing(port):
         wire = ControllerWire(port, bench.clock)
-        report = wire.report(min(BOOT_S, 0.75 * bench.left_s()))
-        if report is None:
+        state = wire.state(min(BOOT_S, 0.75 * bench.left_s()))
+        if not state:
             yield _silence(bench, part, port, path, baud)
             return
         yield from _firmware(part, wire.version())
-        yield _state(part, report.state)
-        if report.state.partition(":")[0] not in RESTING:
+        yield _state(part, state)
+        if state.partition(":")[0] not in RESTING:
             return  # it tells its settings at rest only
         settings = wire.settings()
         if not settings:
