@@ -27,13 +27,13 @@ def check_controller(bench: Bench, part_name: str, path: str, baud: int) -> Find
         return
     with closing(port):
         wire = ControllerWire(port, bench.clock)
-        report = wire.report(min(BOOT_S, 0.75 * bench.left_s()))
-        if report is None:
+        state = wire.state(min(BOOT_S, 0.75 * bench.left_s()))
+        if not state:
             yield _silence(bench, part, port, path, baud)
             return
         yield from _firmware(part, wire.version())
-        yield _state(part, report.state)
-        if report.state.partition(":")[0] not in RESTING:
+        yield _state(part, state)
+        if state.partition(":")[0] not in RESTING:
             return  # it tells its settings at rest only
         settings = wire.settings()
         if not settings:
@@ -102,12 +102,6 @@ def _settings(part: Part, settings: dict[int, float]) -> Findings:
 
 def _lamp(config: SpindleLampConfig, settings: dict[int, float]) -> Finding:
     part = Part("lights")
-    if settings.get(LASER):
-        return part.warning(
-            "laser mode",
-            "laser mode is on ($32=1): the lamp goes dark in rapid moves and changes with speed",
-            "send $32=0",
-        )
     largest = settings.get(LARGEST_SPINDLE, config.power)
     if config.power > largest:
         return part.warning(
@@ -115,7 +109,8 @@ def _lamp(config: SpindleLampConfig, settings: dict[int, float]) -> Finding:
             f"power = {config.power:g} is beyond the output's largest value ($30={largest:g})",
             f"set power to {largest:g} at most, or send $30={config.power:g}",
         )
-    return part.ok("output", f"the lamp hangs on the spindle output; power {config.power:g} of {largest:g}")
+    output = "laser" if settings.get(LASER) else "spindle"
+    return part.ok("output", f"the lamp hangs on the {output} output; power {config.power:g} of {largest:g}")
 
 
 def _silence(bench: Bench, part: Part, port: serial.Serial, path: str, baud: int) -> Finding:

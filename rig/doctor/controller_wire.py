@@ -6,11 +6,9 @@ from dataclasses import dataclass
 import serial
 
 from rig.clock import Clock
-from rig.errors import GarbledReplyError
-from rig.grbl import codec
-from rig.grbl.commands import RealTime
 
 BAUD = 115_200
+REPORT = r"<(\w+(?::\d+)?)\|.*>"
 POLL_S = 0.005
 ANSWER_S = 0.3
 BOOT_S = 3.0
@@ -31,19 +29,15 @@ class ControllerWire:
     def __init__(self, port: serial.Serial, clock: Clock) -> None:
         self._port, self._clock = port, clock
 
-    def report(self, patience_s: float) -> codec.Status | None:
-        """Ask for a status report until one comes; opening a port resets many boards, which then boot."""
+    def state(self, patience_s: float) -> str:
+        """Ask for its state until it tells, or for so long; opening a port resets many boards, which then boot."""
         until_s = self._clock.now_s() + patience_s
         while True:
-            for line in self._ask(RealTime.STATUS.value, min(ASK_AGAIN_S, patience_s), r"<.*>").lines:
-                try:
-                    reply = codec.parse_line(line.encode())
-                except GarbledReplyError:
-                    continue
-                if isinstance(reply, codec.Status):
-                    return reply
+            for line in self._ask(b"?", min(ASK_AGAIN_S, patience_s), REPORT).lines:
+                if match := re.fullmatch(REPORT, line):
+                    return match[1]
             if self._clock.now_s() >= until_s:
-                return None
+                return ""
 
     def version(self) -> str:
         """Return what it calls itself, without the text that its owner may have stored in it; empty if it does not."""
@@ -78,6 +72,6 @@ def answers(port: serial.Serial, clock: Clock) -> bool:
     """Tell whether a GRBL controller is behind a port that was taken for something else."""
     try:
         port.baudrate = BAUD
-        return ControllerWire(port, clock).report(2 * ASK_AGAIN_S) is not None
+        return ControllerWire(port, clock).state(2 * ASK_AGAIN_S) != ""
     except (serial.SerialException, OSError, ValueError):
         return False

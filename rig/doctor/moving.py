@@ -82,7 +82,7 @@ def _arm(rig: Rig) -> Findings:
         return
     worst_deg = 0.0
     for azimuth_deg, elevation_deg in goals:
-        pose = rig.light_from(azimuth_deg, elevation_deg)
+        pose = rig.arm.move_to(azimuth_deg, elevation_deg)
         there = direction_from_angles(pose.azimuth_deg, pose.elevation_deg)
         worst_deg = max(worst_deg, angle_between_deg(direction_from_angles(azimuth_deg, elevation_deg), there))
     azimuths, elevations = zip(*goals, strict=True)
@@ -92,7 +92,7 @@ def _arm(rig: Rig) -> Findings:
         f"{max(elevations):g}°",
     )
     yield _arrival(part, worst_deg, 2 * config.tolerance_deg)
-    rig.light_from(config.park_azimuth_deg, config.park_elevation_deg)
+    rig.arm.move_to(config.park_azimuth_deg, config.park_elevation_deg)
 
 
 def _tour(rig: Rig) -> Iterator[tuple[float, float]]:
@@ -120,7 +120,7 @@ def _lamps(rig: Rig) -> Findings:
         return
     if rig.config.arm is not None:
         rig.arm.home()
-        rig.light_from(rig.config.arm.park_azimuth_deg, rig.config.arm.park_elevation_deg)
+        rig.arm.move_to(rig.config.arm.park_azimuth_deg, rig.config.arm.park_elevation_deg)
     rig.lights.switch_off()
     dark = [_mean(rig) for _ in range(3)]
     noise = max(dark) - min(dark)

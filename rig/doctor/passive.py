@@ -24,7 +24,7 @@ from rig.errors import PortError
 from rig.rig import open_rig
 from rig.rig_lock import lock_rig
 
-PATIENCE_S = 4.0
+PATIENCE_S = 3.6
 """With the time that Python needs to start, what is passive is done within 5 s."""
 
 Check = Callable[[ExitStack], Findings]

@@ -116,13 +116,13 @@ def ask_port(path: str, clock: Clock) -> Found:
     try:
         with closing(open_serial(path, BAUD)) as port:
             controller = ControllerWire(port, clock)
-            if controller.report(BOOT_S / 3) is not None:
+            if controller.state(BOOT_S / 3):
                 return FoundController(path, controller.version(), controller.settings())
             for baud in USUAL_BAUDS:
                 if models := _models(port, baud, clock):
                     return FoundServos(path, baud, models)
             port.baudrate = BAUD
-            if controller.report(BOOT_S) is not None:  # a board that boots long after its port was opened
+            if controller.state(BOOT_S):  # a board that boots long after its port was opened
                 return FoundController(path, controller.version(), controller.settings())
     except PortError as error:
         return Silent(path, str(error).removeprefix(f"{path}: "))

@@ -14,6 +14,7 @@ from firmware_sim.grbl.settings import light_arm_settings
 from rig.config import RigConfig
 from rig.doctor.bench import Bench
 from rig.doctor.finding import Finding
+from rig.doctor.passive import PATIENCE_S
 from rig.fakes import FakeClock
 
 TABLE = {"turntable": {"port": "/dev/ttyTABLE"}}
@@ -102,7 +103,7 @@ def bench(clock: FakeClock, far_end: FarEnd, tmp_path: Path, *sections: dict[str
     config = RigConfig.model_validate({key: value for section in sections for key, value in section.items()})
     roots = {"sys_root": tmp_path, "proc_root": tmp_path, "lock_root": tmp_path}
     others = {"open_port": lambda _, baud: StatePort(far_end, baud), **roots, **changes}
-    return Bench(config, clock.now_s() + 4.0, tmp_path, clock=clock, **others)
+    return Bench(config, clock.now_s() + PATIENCE_S, tmp_path, clock=clock, **others)
 
 
 def by_name(findings: Sequence[Finding]) -> dict[str, Finding]:

@@ -39,7 +39,6 @@ def test_a_healthy_controller_is_all_ok_and_has_not_moved(clock: FakeClock, tmp_
         pytest.param({"s22": 0, "s20": 0}, "homing", State.FAULT, "$22=1", id="no homing"),
         pytest.param({"s20": 0}, "soft limits", State.WARNING, "$20=1", id="no soft limits"),
         pytest.param({"s13": 1}, "units", State.FAULT, "$13=0", id="inches"),
-        pytest.param({"s32": 1}, "laser mode", State.WARNING, "$32=0", id="laser mode"),
         pytest.param({"s30": 255}, "power", State.WARNING, "255 at most, or send $30=1000", id="beyond the output"),
     ],
 )
@@ -49,6 +48,11 @@ def test_settings_that_a_rig_cannot_live_with_are_told(
     finding = examined(clock, controller(clock, **settings), tmp_path)[name]
     assert finding.state is state
     assert next_step in finding.next_step
+
+
+def test_a_lamp_on_the_laser_output_is_as_good(clock: FakeClock, tmp_path: Path) -> None:
+    finding = examined(clock, controller(clock, s32=1), tmp_path)["output"]
+    assert (finding.state, "laser output" in finding.what) == (State.OK, True)
 
 
 def test_a_controller_in_motion_is_told_and_not_asked_for_its_settings(clock: FakeClock, tmp_path: Path) -> None:
@@ -79,7 +83,7 @@ def test_a_servo_on_the_controllers_port_means_swapped_ports(clock: FakeClock, t
 def test_silence_is_told_in_time(clock: FakeClock, tmp_path: Path) -> None:
     findings = examined(clock, Silence(), tmp_path)
     assert "no GRBL controller answers on /dev/ttyARM at 115200 baud" in findings["answer"].what
-    assert clock.now_s() < 104.5
+    assert clock.now_s() < 103.6
 
 
 class Dialect:
