@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= demo-out
 
-.PHONY: setup demo test check docs bench oracle clean
+.PHONY: setup demo test check docs bench oracle faults clean
 
 setup: $(VENV)/ready
 
@@ -16,7 +16,7 @@ demo: setup
 	$(BIN)/litrig demo --out $(OUT)
 
 test: setup
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist worksteal
 
 check: setup
 	$(BIN)/ruff format --check .
@@ -33,6 +33,9 @@ bench: setup
 
 oracle: setup
 	$(BIN)/python -m benchmarks.oracle docs/oracle.md
+
+faults: setup
+	$(BIN)/python -m benchmarks.faults docs/faults.md
 
 clean:
 	rm -rf $(VENV) build dist demo-out .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis

@@ -3,14 +3,21 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
-from typing import Any, Protocol
+from functools import cached_property
+from typing import Any, Literal, Protocol
 
-from acquisition.tour import short_tour
+import numpy as np
+
+from acquisition.tour import short_tour, shortest_tour, tour_cost
 from litrig.base.capture_folder.capture import Role
 from litrig.base.errors import InputError
+from rig.arm.travel import travel_times_s
+from rig.config import ArmConfig
 
 GOLDEN_ANGLE_DEG = 180 * (3 - math.sqrt(5))
 FEWEST_SLICES = 8
+FEWEST_LIGHTS = 6
+"""A PTM has six coefficients."""
 MOST_STEPS = 100_000
 
 
@@ -105,19 +112,25 @@ class AmcPlan:
 class PtmPlan:
     """Light directions spread evenly over the part of the hemisphere between two elevations.
 
-    A Fibonacci spiral: equal steps of sin(elevation), turned by the golden angle each. The order of shooting is a tour
-    that keeps the arm's way short.
+    A Fibonacci spiral: equal steps of sin(elevation), turned by the golden angle each.
+
+    Attributes
+    ----------
+    order : of shooting: a tour that keeps the arm's travel short, or as the spiral has it
+    arm : whose travel time counts in the tour; without it ways are as long as their angles
     """
 
     lights: int
     min_elevation_deg: float = 15.0
     max_elevation_deg: float = 80.0
+    order: Literal["tour", "spiral"] = "tour"
+    arm: ArmConfig | None = None
     kind = "ptm"
 
     def __post_init__(self) -> None:
         """Refuse a plan that no PTM can be fitted to."""
-        if not 6 <= self.lights <= 2000:
-            raise InputError(f"lights: {self.lights} is outside 6..2000; 40 to 80 are usual")
+        if not FEWEST_LIGHTS <= self.lights <= 2000:
+            raise InputError(f"lights: {self.lights} is outside {FEWEST_LIGHTS}..2000; 40 to 80 are usual")
         if not 0 < self.min_elevation_deg < self.max_elevation_deg < 90:
             raise InputError(
                 f"elevations: {self.min_elevation_deg:g}..{self.max_elevation_deg:g}° must rise within 0..90°"
@@ -128,10 +141,19 @@ class PtmPlan:
         return self.lights
 
     def __iter__(self) -> Iterator[Step]:
-        """Follow the tour."""
-        aims = [self._aim(index) for index in range(self.lights)]
-        for step, index in enumerate(short_tour([(aim.azimuth_deg, aim.elevation_deg) for aim in aims])):
-            yield Step(step, aim=aims[index])
+        """Follow the order."""
+        for step, index in enumerate(self._order):
+            yield Step(step, aim=self._aim(index))
+
+    def travel_s(self) -> float | None:
+        """Predict how long the arm travels from the first light to the last; None without an arm.
+
+        Raises
+        ------
+        OutOfRangeError
+            The arm does not reach a light.
+        """
+        return None if self.arm is None else tour_cost(travel_times_s(self.arm, self._directions_deg()), self._order)
 
     def parameters(self) -> Mapping[str, Any]:
         """Return number and elevations."""
@@ -140,7 +162,22 @@ class PtmPlan:
             "lights": self.lights,
             "min_elevation_deg": self.min_elevation_deg,
             "max_elevation_deg": self.max_elevation_deg,
+            "order": self.order,
         }
+
+    def _directions_deg(self) -> list[tuple[float, float]]:
+        aims = [self._aim(index) for index in range(self.lights)]
+        return [(aim.azimuth_deg, aim.elevation_deg) for aim in aims]
+
+    @cached_property
+    def _order(self) -> list[int]:
+        if self.order == "spiral":
+            return list(range(self.lights))
+        directions_deg = self._directions_deg()
+        if self.arm is None:
+            return short_tour(directions_deg)
+        first = int(np.argmin([azimuth_deg for azimuth_deg, _ in directions_deg]))
+        return shortest_tour(travel_times_s(self.arm, directions_deg), first)
 
     def _aim(self, index: int) -> Aim:
         low, high = (math.sin(math.radians(e)) for e in (self.min_elevation_deg, self.max_elevation_deg))

@@ -23,10 +23,10 @@ from litrig.base.lights import Lights
 from litrig.base.lp import write_lp
 from litrig.base.pictures import decode_jpeg, read_codes
 from processing.ptm.files.either import choose_coder, read_any, write_any
-from processing.ptm.fit import FitSettings, open_fit
+from processing.ptm.fit import FitSettings, start_fit
 from processing.ptm.model import Colour
 from processing.ptm.quality import report_on
-from processing.ptm.relight import relight
+from processing.ptm.relighting.relight import relight
 from processing.stack import Stack
 
 F64 = NDArray[np.float64]
@@ -61,10 +61,10 @@ def write_set(folder: Path, megapixels: float) -> list[Path]:
 
 def fit_to_file(paths: list[Path], out: Path, colour: Colour) -> None:
     """Do what `litrig ptm fit` does."""
-    with open_fit(Stack(paths), lights(), FitSettings(colour=colour)) as fitted:
-        coder = choose_coder(out, fitted)
-        report_on(fitted, None if coder is None else coder.stored)
-        write_any(out, fitted, coder)
+    fitted = start_fit(Stack(paths), lights(), FitSettings(colour=colour))
+    coder = choose_coder(out, fitted)
+    report_on(fitted, None if coder is None else coder.stored)
+    write_any(out, fitted, coder)
 
 
 def comparisons(folder: Path) -> list[Comparison]:

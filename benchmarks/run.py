@@ -20,7 +20,8 @@ Last run: Python {python}, {cores} cores, {machine}.
 
 ## Memory
 
-Frames are streamed; what is held is the slices, which the table overwrites. Peaks of a process of its own.
+Frames are streamed; what is held is the slices, which the table overwrites. Beyond 256 MiB they are held in a temporary
+file instead, mapped only as far as they are looked at. Peaks of a process of its own, mapped pages included.
 
 {memory}
 

@@ -28,8 +28,8 @@ def _exchanges() -> list[Comparison]:
     """Read the present position many times; the SDK on its own keeps a core busy while it waits."""
     with simulated_rig(SimConfig()) as sim:
         config = read_rig(sim.rig_toml).turntable
-        if config is None:
-            raise AssertionError("the simulated rig has a turntable")
+        if not isinstance(config, TurntableConfig):
+            raise TypeError("the simulated rig has a turntable on a servo")
 
         def ours() -> None:
             link = DynamixelLink(config.port, config.baud, config.id, MonotonicClock())
@@ -55,8 +55,8 @@ def _moves() -> list[Comparison]:
     with simulated_rig(SimConfig()) as sim, open_rig(read_rig(sim.rig_toml), use=frozenset({"turntable"})) as rig:
         rig.home()
         config = rig.config.turntable
-        if config is None:
-            raise AssertionError("the simulated rig has a turntable")
+        if not isinstance(config, TurntableConfig):
+            raise TypeError("the simulated rig has a Dynamixel turntable")
         goals = iter(math.remainder(STEP_DEG * i, 720) for i in range(1, 1000))
         rig.turn_to(0.0)
         return [

@@ -2,13 +2,16 @@
 
 import tomllib
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from firmware_sim.dynamixel.config import Baud, TurntableFaults
 from firmware_sim.errors import SimConfigError
+from firmware_sim.grbl.config import GrblFaults, Settings, StepperSim
+from firmware_sim.grbl.dialect import DialectName
 from firmware_sim.mitsuba.config import MitsubaScene
+from firmware_sim.udmx.config import DomeSim
 
 LARGEST_SIM_TOML_BYTES = 1_000_000
 
@@ -33,7 +36,7 @@ class TurntableSim(_Strict):
 
 
 class ArmSim(_Strict):
-    """A light arm on a controller with GRBL 1.1h: X is azimuth, Y is elevation, both in degrees."""
+    """A light arm on a controller with GRBL: X is azimuth, Y is elevation, both in degrees."""
 
     azimuth_travel_deg: float = Field(default=360, gt=0, le=720)
     """Machine coordinates X go from minus this to 0, where the limit switch is."""
@@ -43,6 +46,12 @@ class ArmSim(_Strict):
     """Where the arm truly stands when the power comes on; the controller does not know it before it is homed."""
     start_elevation_deg: float = Field(default=55, ge=0, le=180)
     """The same for the elevation."""
+    dialect: DialectName = "grbl"
+    """Firmware: GRBL 1.1h, or grblHAL."""
+    settings: Settings = Field(default_factory=dict)
+    """Further `$` settings, as $21 for hard limits."""
+    faults: GrblFaults = GrblFaults()
+    """What goes wrong with it."""
 
 
 class CameraSim(_Strict):
@@ -114,9 +123,19 @@ class SimConfig(_Strict):
     """Everything that SIM.toml can say; what it leaves out is the brushed sphere's rig."""
 
     turntable: TurntableSim = TurntableSim()
+    stepper: StepperSim | None = None
+    """A turntable on a GRBL axis in place of the servo."""
     arm: ArmSim = ArmSim()
+    dome: DomeSim | None = None
+    """Lamps on a dome in place of the arm's; only the relief is lit by them."""
     camera: CameraSim = CameraSim()
     scene: Annotated[SphereScene | ReliefScene | MitsubaScene, Field(discriminator="kind")] = SphereScene()
+
+    @model_validator(mode="after")
+    def _a_dome_needs_the_relief(self) -> Self:
+        if self.dome is not None and self.scene.kind != "relief":
+            raise ValueError("a [dome] lights the scene of kind relief only; add it, or leave the dome out")
+        return self
 
 
 def read_sim(path: Path) -> SimConfig:
@@ -148,4 +167,4 @@ def _misfit(kind: str, place: tuple[int | str, ...], message: str) -> str:
     key = ".".join(str(part) for part in place)
     if kind == "extra_forbidden":
         return f"unknown key {key!r}; remove it or mend its spelling"
-    return f"{key}: {message}"
+    return f"{key}: {message}" if key else message.removeprefix("Value error, ")

@@ -1,4 +1,4 @@
-"""The devices of one rig: servo bus, light arm, and where they are at any instant."""
+"""The devices of one rig: servo bus, light arm, lamps on USB, and where they are at any instant."""
 
 from firmware_sim.clock import Clock
 from firmware_sim.config import SimConfig
@@ -7,33 +7,43 @@ from firmware_sim.dynamixel.config import TurntableFaults
 from firmware_sim.dynamixel.control_table import BAUDS, Register
 from firmware_sim.dynamixel.servo import Servo
 from firmware_sim.dynamixel.table import Table
-from firmware_sim.grbl.controller import GrblController
-from firmware_sim.grbl.settings import light_arm_settings
-
-Z_TRAVEL = 10.0
-"""The third axis has no motor on a light arm; the controller homes it all the same."""
+from firmware_sim.grbl.bench import GrblBench
+from firmware_sim.scene.pose import LitLamp
+from firmware_sim.udmx.bus import UsbBus
+from firmware_sim.udmx.dome import Dome
 
 
 class Devices:
     """State machines, set up as SIM.toml says."""
 
     def __init__(self, config: SimConfig, clock: Clock) -> None:
-        table, arm = config.turntable, config.arm
+        table = config.turntable
         self.servo = Servo(clock, table.id, table.start_deg)
         others = [Servo(clock, servo_id, 0.0) for servo_id in table.others]
         self.bus = DynamixelBus(clock, [self.servo, *others])
         self.table = Table(self.servo, clock)
         self.listen_at(table.baud)
         self._befall(table.faults)
-        self._travel = (arm.azimuth_travel_deg, arm.elevation_travel_deg)
-        start = (arm.start_azimuth_deg - self._travel[0], arm.start_elevation_deg - self._travel[1], -Z_TRAVEL / 2)
-        self.arm = GrblController(clock, light_arm_settings((*self._travel, Z_TRAVEL)), start)
+        self.grbl = GrblBench(config, clock)
+        self.arm = self.grbl.arm.controller
+        self.usb = UsbBus(clock, config.dome)
+        self.dome = None if config.dome is None else Dome(config.dome)
 
     def pose(self, time_s: float) -> tuple[float, float, float, float]:
         """Return turntable angle, azimuth and elevation in degrees, and lamp 0..1, at any time of the last seconds."""
-        x, y, _ = self.arm.position(time_s)
-        azimuth_deg, elevation_deg = x + self._travel[0], y + self._travel[1]
-        return self.table.angle_deg(time_s), azimuth_deg, elevation_deg, self.arm.lamp.power_at(time_s)
+        azimuth_deg, elevation_deg = self.grbl.directions_deg(time_s)
+        stepper_deg = self.grbl.table_deg(time_s)
+        turntable_deg = self.table.angle_deg(time_s) if stepper_deg is None else stepper_deg
+        return turntable_deg, azimuth_deg, elevation_deg, self.arm.lamp.power_at(time_s)
+
+    def turntable_is_moving(self) -> bool:
+        """Tell whether servo or stepper turns."""
+        moving = self.grbl.table_is_moving()
+        return self.servo.is_turning() if moving is None else moving
+
+    def shining(self, time_s: float) -> tuple[LitLamp, ...]:
+        """Return the dome's lamps that shine, at any time of the last seconds."""
+        return () if self.dome is None else self.dome.lit(self.usb.lamps.controller.dimmers.slots_at(time_s))
 
     def listen_at(self, baud: int) -> None:
         """Let the servos listen at another speed than they did."""

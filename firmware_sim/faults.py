@@ -1,6 +1,6 @@
 """The mishaps that can be asked for over the side channel, by name."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field, validate_call
 
@@ -10,6 +10,7 @@ from firmware_sim.dynamixel.config import Baud, Degrees, TurntableFaults
 from firmware_sim.dynamixel.control_table import Register
 from firmware_sim.dynamixel.faults import Delay, DropByte, Duplicate, FlipBit, Foreign, Mute, ReplyFault
 from firmware_sim.dynamixel.servo import SHUTDOWN_CAUSES
+from firmware_sim.grbl.faults import grbl_faults
 from firmware_sim.side_channel import Answer, Handler
 from firmware_sim.wire import Wire
 
@@ -164,15 +165,9 @@ def plug_faults(name: str, wire: Wire) -> dict[str, Handler]:
 
 
 def arm_faults(devices: Devices) -> dict[str, Handler]:
-    """Return what can befall the light arm."""
-
-    @validate_call
-    def switches(fault: Literal["none", "stuck", "dead"]) -> Answer:
-        """Let all limit switches read pressed, or never pressed, or mend them."""
-        devices.arm.break_switches(fault)
-        return {}
-
-    return {"arm.switches": switches}
+    """Return what can befall the light arm, and a stepper turntable that has a controller of its own."""
+    table = {} if devices.grbl.table is None else grbl_faults("stepper", devices.grbl.table)
+    return grbl_faults("arm", devices.grbl.arm) | table
 
 
 def camera_faults(shared: SharedFrame) -> dict[str, Handler]:

@@ -28,7 +28,8 @@ def resting_pose(planned: PlannedPose, now: Pose, config: SimConfig) -> Pose:
     """
     turntable_deg, azimuth_deg, elevation_deg = now[:3]
     if planned.turntable_deg is not None:
-        turntable_deg = round(planned.turntable_deg / DEG_PER_COUNT) * DEG_PER_COUNT
+        steps_per_deg = 1 / DEG_PER_COUNT if config.stepper is None else config.stepper.steps_per_deg
+        turntable_deg = round(planned.turntable_deg * steps_per_deg) / steps_per_deg
     if planned.azimuth_deg is not None:
         azimuth_deg = _on_steps(planned.azimuth_deg, config.arm.azimuth_travel_deg)
     if planned.elevation_deg is not None:

@@ -13,6 +13,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 
 from pydantic import validate_call
@@ -31,12 +32,15 @@ from firmware_sim.scene.pose import Pose
 from firmware_sim.scene.rendering import note_on, relevance_of, room_for
 from firmware_sim.side_channel import Answer, Handler, SideChannelServer
 from firmware_sim.timetable import Timetable
+from firmware_sim.udmx.faults import lights_faults
+from firmware_sim.udmx.usb_server import UsbServer
 from firmware_sim.wire import Wire
 
-CONFIG_NAME, FRAMES_NAME, CHANNEL_NAME, RIG_NAME, LOG_NAME = (
+CONFIG_NAME, FRAMES_NAME, CHANNEL_NAME, USB_NAME, RIG_NAME, LOG_NAME = (
     "sim.json",
     "frames.bin",
     "side-channel.sock",
+    "usb.sock",
     "RIG.toml",
     "server.log",
 )
@@ -65,14 +69,26 @@ class Server:
         self._devices = Devices(config, clock)
         self._wires = {
             "turntable": Wire(self._devices.bus, clock, folder / LINKS_NAME / "turntable"),
-            "arm": Wire(self._devices.arm, clock, folder / LINKS_NAME / "arm"),
+            "arm": Wire(self._devices.grbl.arm, clock, folder / LINKS_NAME / "arm"),
         }
+        if self._devices.grbl.table is not None:
+            self._wires["stepper"] = Wire(self._devices.grbl.table, clock, folder / LINKS_NAME / "stepper")
         self._timetable = Timetable(clock)
-        faults = config.turntable.faults
-        self._timetable.add(faults.brown_out_at_s, self._devices.servo.brown_out)
-        self._timetable.add(faults.unplug_at_s, self._wires["turntable"].unplug)
-        self._timetable.add(faults.replug_at_s, self._wires["turntable"].replug)
+        self._schedule()
         self._channel = SideChannelServer(folder / CHANNEL_NAME, self._handlers())
+        self._usb = UsbServer(folder / USB_NAME, self._devices.usb)
+
+    def _schedule(self) -> None:
+        """Note what SIM.toml lets happen at an instant."""
+        grbl, config = self._devices.grbl, self._config
+        pairs = ((grbl.arm, config.arm.faults), (grbl.table, config.stepper.faults if config.stepper else None))
+        for wire, faults in pairs:
+            if wire is not None and faults is not None:
+                self._timetable.add(faults.power_loss_at_s, partial(wire.controller.lose_power, faults.power_loss_s))
+        servo, adapter = config.turntable.faults, self._wires["turntable"]
+        self._timetable.add(servo.brown_out_at_s, self._devices.servo.brown_out)
+        self._timetable.add(servo.unplug_at_s, adapter.unplug)
+        self._timetable.add(servo.replug_at_s, adapter.replug)
 
     @property
     def ports(self) -> dict[str, str]:
@@ -101,7 +117,7 @@ class Server:
                 darkroom = None
             for ready in self._wait():
                 if isinstance(ready, socket.socket):
-                    self._channel.serve(ready)
+                    (self._usb if ready in self._usb.sockets() else self._channel).serve(ready)
                 elif ready == sys.stdin.fileno():
                     self._running = False
 
@@ -112,6 +128,7 @@ class Server:
 
     def close(self) -> None:
         self._channel.close()
+        self._usb.close()
         for wire in self._wires.values():
             wire.close()
         with suppress(OSError):
@@ -120,7 +137,7 @@ class Server:
     def _wait(self) -> list[int | socket.socket]:
         due_s = [due for wire in self._wires.values() if (due := wire.due_s()) is not None]
         wait_s = min([LONGEST_WAIT_S, *(max(0.0, due - self._clock()) for due in due_s)])
-        sources = [sys.stdin.fileno(), *self._masters(), *self._channel.sockets()]
+        sources = [sys.stdin.fileno(), *self._masters(), *self._channel.sockets(), *self._usb.sockets()]
         # Unlike epoll, select waits for fractions of a millisecond.
         with selectors.SelectSelector() as selector:
             for source in sources:
@@ -133,7 +150,8 @@ class Server:
     def _handlers(self) -> dict[str, Handler]:
         own: dict[str, Handler] = {"status": self._status, "shutdown": self._shutdown}
         own |= {"poses": self._poses, "poses.before": self._poses_before}
-        faults = (turntable_faults(self._devices), arm_faults(self._devices), camera_faults(self._shared))
+        faults = [turntable_faults(self._devices), arm_faults(self._devices), camera_faults(self._shared)]
+        faults.append(lights_faults(self._devices.usb, self._devices.dome))
         renders = render_requests(self._renders, self._config, lambda: Pose(*self._devices.pose(self._clock())))
         plugs = (plug_faults(name, wire) for name, wire in self._wires.items())
         for table in (*faults, *plugs, renders):
@@ -148,13 +166,15 @@ class Server:
         return {
             "time_s": now_s,
             "turntable_deg": turntable_deg,
-            "turntable_moving": self._devices.servo.is_turning(),
+            "turntable_moving": self._devices.turntable_is_moving(),
             "azimuth_deg": azimuth_deg,
             "elevation_deg": elevation_deg,
             "arm_state": self._devices.arm.state,
             "lamp": lamp,
             "camera": camera,
             "render": self._renders.progress(),
+            "dome": self._devices.shining(now_s),
+            "usb": [plugged.as_status() for plugged in self._devices.usb.devices],
             "wires": {name: {"port": wire.path, "recent": wire.recent()} for name, wire in self._wires.items()},
         }
 
@@ -169,7 +189,7 @@ class Server:
 
     def _pose(self, time_s: float) -> Pose:
         """Return the pose as far as the camera can see it."""
-        return self._relevance.of(Pose(*self._devices.pose(time_s)))
+        return self._relevance.of(Pose(*self._devices.pose(time_s), self._devices.shining(time_s)))
 
     @validate_call
     def _shutdown(self) -> Answer:

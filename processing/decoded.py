@@ -1,25 +1,23 @@
 """Every picture of a stack at once, for work that needs all of them pixel by pixel.
 
 They are kept as they are stored, in codes of 8 or 16 bits; floats stay floats. What is more than a budget of memory
-goes to a file without a name (it vanishes with the process, however that ends), mapped into memory, whose pages are
-given back after each use.
+lies in a nameless file.
 """
 
-import mmap
 import os
-import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from litrig.base.errors import FormatError, InputError
+from litrig.base.errors import FormatError
+from litrig.base.pictures import JPEG_ENDINGS
 from litrig.base.progress import Progress, Report, silent
 from litrig.base.radiometry import decode_srgb, encode_srgb
+from processing.room import Room, make_room
 from processing.stack import Space, Stack
 
 F32 = NDArray[np.float32]
@@ -28,8 +26,8 @@ Values = NDArray[Any]
 DEFAULT_BUDGET_BYTES = 1_000_000_000
 # The rest is for what is made of the pictures, and for those that are just being read.
 _SHARE_OF_BUDGET = 0.75
-# A decoder of anything but JPEG holds the picture twice before it is copied here.
-_COPIES_IN_FLIGHT = 3
+# Decoding anything but a JPEG, or to floats, holds a picture more than once before it is kept here.
+_COPIES_IN_FLIGHT, _COPIES_OF_A_JPEG = 3, 1
 
 
 class Decoded:
@@ -37,17 +35,18 @@ class Decoded:
 
     Attributes
     ----------
-    values : (N, H·W·3) uint8, uint16 or float32, RGB pixel by pixel from the top row; may be mapped from a file
+    values : (N, H·W·3) uint8, uint16 or float32, RGB pixel by pixel from the top row; mapped from a file if spooled
     shape : height and width
     space : which values are meant
     white : the value that stands for 1
     """
 
-    def __init__(self, values: Values, shape: tuple[int, int], space: Space, mapping: mmap.mmap | None) -> None:
+    def __init__(self, room: Room, shape: tuple[int, int], space: Space) -> None:
+        values: Values = room.array
         self.values = values
         self.shape = shape
         self.space = space
-        self._mapping = mapping
+        self._room = room
         self.white = 1.0 if values.dtype == np.float32 else float(np.iinfo(values.dtype).max)
         # Codes are display values; light is looked up.
         self._light = None
@@ -57,28 +56,41 @@ class Decoded:
     @property
     def spooled(self) -> bool:
         """Whether they lie in a file."""
-        return self._mapping is not None
+        return self._room.mapped is not None
+
+    def put(self, index: int, picture: Values) -> None:
+        """Keep a picture (H, W, 3)."""
+        self._room.put(index, picture.reshape(-1))
 
     @property
     def proportional(self) -> bool:
         """Whether what is meant is `values / white`, and not to be looked up."""
         return self._light is None
 
+    def window(self, start: int, stop: int) -> tuple[Values, int]:
+        """Return an array (N, V) of codes, and the place in it at which some pixels' R, G, B begin."""
+        if self.spooled:
+            return self._room.rows(slice(3 * start, 3 * stop)), 0
+        return self.values, 3 * start
+
     def pixels(self, start: int, stop: int) -> F32:
         """Return some pixels of each picture, (N, stop − start, 3) float32, 1 is white."""
-        return self._meant(self.values[:, 3 * start : 3 * stop]).reshape(len(self.values), -1, 3)
+        values, first = self.window(start, stop)
+        return self._meant(values[:, first : first + 3 * (stop - start)]).reshape(len(values), -1, 3)
 
     def at(self, pixels: NDArray[np.int64]) -> F32:
         """Return chosen pixels of each picture, (N, n, 3) float32, 1 is white."""
-        places = (3 * pixels[:, None] + np.arange(3)).ravel()
-        chosen = [picture[places] for picture in self.values]
-        self.release()
-        return self._meant(np.stack(chosen)).reshape(len(self.values), -1, 3)
-
-    def release(self) -> None:
-        """Give back the memory of what was read from the file; reading again maps it again."""
-        if self._mapping is not None:
-            self._mapping.madvise(mmap.MADV_DONTNEED)
+        width = self.shape[1]
+        chosen = np.zeros((len(self.values), len(pixels), 3), self.values.dtype)
+        rows = pixels // width
+        for row in np.unique(rows) if self.spooled else ():  # one reading for all pixels of a row
+            here = rows == row
+            values = self.window(row * width, (row + 1) * width)[0].reshape(len(self.values), width, 3)
+            chosen[:, here] = values[:, pixels[here] - row * width]
+        if not self.spooled:
+            places = (3 * pixels[:, None] + np.arange(3)).ravel()
+            chosen[:] = np.stack([picture[places] for picture in self.values]).reshape(chosen.shape)
+        return self._meant(chosen)
 
     def _meant(self, values: Values) -> F32:
         if self._light is not None:
@@ -86,7 +98,6 @@ class Decoded:
         return values.astype(np.float32) * np.float32(1 / self.white)
 
 
-@contextmanager
 def decoded(
     stack: Stack,
     space: Space,
@@ -94,8 +105,8 @@ def decoded(
     budget_bytes: int = DEFAULT_BUDGET_BYTES,
     spool: Path | None = None,
     report: Report = silent,
-) -> Iterator[Decoded]:
-    """Read every picture of a stack; what is spooled vanishes at the end.
+) -> Decoded:
+    """Read every picture of a stack; what is spooled vanishes with what is returned.
 
     Parameters
     ----------
@@ -110,54 +121,50 @@ def decoded(
     """
     first = _stored(stack, 0, space)
     height, width = stack.shape
-    size = len(stack) * height * width * 3
-    mapping = None
-    if size * first.itemsize <= _SHARE_OF_BUDGET * budget_bytes:
-        values: Values = np.zeros((len(stack), height * width * 3), first.dtype)
-    else:
-        mapping = _spool(size * first.itemsize, spool or Path(tempfile.gettempdir()))
-        values = np.frombuffer(mapping, first.dtype).reshape(len(stack), -1)
-    held = Decoded(values, (height, width), space, mapping)
-    _read_all(stack, held, first, budget_bytes, report)
-    yield held
+    room = make_room(
+        (len(stack), height * width * 3),
+        first.dtype,
+        most_in_memory_bytes=int(_SHARE_OF_BUDGET * budget_bytes),
+        folder=spool,
+        advice="name another folder with --spool, or raise --memory",
+    )
+    held = Decoded(room, (height, width), space)
+    held.put(0, first)
+    picture_bytes = first.nbytes
+    del first  # it may be a large part of the budget
+    report(Progress("reading", 1, len(stack), stack.paths[0].name))
+    _read_others(stack, held, _at_once(stack, picture_bytes, budget_bytes), report)
+    return held
 
 
-def _read_all(stack: Stack, held: Decoded, first: Values, budget_bytes: int, report: Report) -> None:
-    def read(index: int) -> int:
-        picture = first if index == 0 else _stored(stack, index, held.space, held.values[index])
+def _read_others(stack: Stack, held: Decoded, workers: int, report: Report) -> None:
+    def read(index: int) -> None:
+        into = None if held.spooled else held.values[index]
+        picture = _stored(stack, index, held.space, into)
         if picture.dtype != held.values.dtype:
             raise FormatError(
                 f"{stack.paths[index]}: holds {picture.dtype} values, the pictures before it {held.values.dtype}; "
                 "bring all pictures to one format"
             )
-        if not np.shares_memory(picture, held.values[index]):
-            held.values[index] = picture.reshape(-1)
-        held.release()
-        return index
+        if into is None or not np.shares_memory(picture, into):
+            held.put(index, picture)
 
-    bytes_in_flight = _COPIES_IN_FLIGHT * first.nbytes
-    workers = max(1, min(os.cpu_count() or 1, budget_bytes // max(1, bytes_in_flight)))
     with ThreadPoolExecutor(workers) as pool:
-        for done, index in enumerate(pool.map(read, range(len(stack))), 1):
-            report(Progress("reading", done, len(stack), stack.paths[index].name))
+        for index, _ in enumerate(pool.map(read, range(1, len(stack))), 1):
+            report(Progress("reading", index + 1, len(stack), stack.paths[index].name))
+
+
+def _at_once(stack: Stack, picture_bytes: int, budget_bytes: int) -> int:
+    """Return how many pictures may be decoded at a time."""
+    jpegs = all(path.suffix.lower() in JPEG_ENDINGS for path in stack.paths)
+    bytes_in_flight = (_COPIES_OF_A_JPEG if jpegs else _COPIES_IN_FLIGHT) * picture_bytes
+    return max(1, min(os.cpu_count() or 1, budget_bytes // max(1, bytes_in_flight)))
 
 
 def _stored(stack: Stack, index: int, space: Space, into: Values | None = None) -> Values:
     """Return a picture (H, W, 3) as it is kept."""
     picture: Values = stack.stored(index, into)
     return encode_srgb(picture) if picture.dtype == np.float32 and space == "srgb" else picture
-
-
-def _spool(size: int, folder: Path) -> mmap.mmap:
-    try:
-        with tempfile.TemporaryFile(dir=folder) as file:
-            os.posix_fallocate(file.fileno(), 0, size)
-            return mmap.mmap(file.fileno(), size)
-    except OSError as error:
-        raise InputError(
-            f"{folder}: no room for {size / 1e9:.1f} GB of decoded pictures ({error.strerror}); free space, name "
-            "another folder with --spool, or raise --memory"
-        ) from error
 
 
 def spread(shape: tuple[int, int], count: int, most_rows: int = 96) -> NDArray[np.int64]:

@@ -1,5 +1,7 @@
 """Lamps that nobody switches, such as the fixed lights of an AMC session."""
 
+from rig.config import AlwaysOnConfig
+from rig.drivers import Driver
 from rig.errors import OutOfRangeError
 
 
@@ -17,3 +19,9 @@ class AlwaysOn:
 
     def switch_off(self) -> None:
         """Do nothing: a person does."""
+
+    def close(self) -> None:
+        """Nothing to give back."""
+
+
+DRIVER = Driver(AlwaysOnConfig, lambda config, bench: AlwaysOn())

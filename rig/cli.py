@@ -8,11 +8,15 @@ from typing import TYPE_CHECKING
 import click
 
 from litrig.base.errors import InputError
+from rig.doctor.cli import doctor
+from rig.init.cli import init
+from rig.options import RECORD, RIG
 
 if TYPE_CHECKING:
     from rig.rig import Rig
 
-RIG = click.argument("rig_toml", metavar="RIG.toml", type=click.Path(path_type=Path))
+NOTED_DEG = 0.5
+"""A light this far from the direction asked for is worth a word."""
 
 
 @click.group(
@@ -38,6 +42,7 @@ def _opened(rig_toml: Path, *parts: str) -> Iterator["Rig"]:
 
 @rig.command(epilog="Example: litrig rig home rig.toml")
 @RIG
+@RECORD
 def home(rig_toml: Path) -> None:
     """Find the reference marks of everything that moves."""
     with _opened(rig_toml, "turntable", "arm", "lights") as opened:
@@ -47,16 +52,18 @@ def home(rig_toml: Path) -> None:
 
 @rig.command(epilog="Example: litrig rig park rig.toml")
 @RIG
+@RECORD
 def park(rig_toml: Path) -> None:
     """Home, move to the resting pose, lamps dark, and let go of the turntable."""
     with _opened(rig_toml, "turntable", "arm", "lights") as opened:
-        opened.home()
+        opened.get_ready()
         opened.park()
     click.echo("parked")
 
 
 @rig.command(epilog="Example: litrig rig move rig.toml --angle 30")
 @RIG
+@RECORD
 @click.option("--angle", "angle_deg", type=float, required=True, help="Goal in degrees, counter-clockwise.")
 def move(rig_toml: Path, angle_deg: float) -> None:
     """Turn the sample to an angle, and print where it stands."""
@@ -69,24 +76,44 @@ def move(rig_toml: Path, angle_deg: float) -> None:
 
 @rig.command(epilog="Example: litrig rig light rig.toml --azimuth 45 --elevation 30")
 @RIG
+@RECORD
+@click.option("--azimuth", "azimuth_deg", type=float, help="Degrees from the picture's right towards its top.")
+@click.option("--elevation", "elevation_deg", type=float, help="Degrees above the picture's plane.")
 @click.option(
-    "--azimuth", "azimuth_deg", type=float, required=True, help="Degrees from the picture's right towards its top."
+    "--lamp", type=click.IntRange(0), help="Number of the lamp, from 0; of a dome, no direction is needed then."
 )
-@click.option("--elevation", "elevation_deg", type=float, required=True, help="Degrees above the picture's plane.")
-@click.option("--lamp", type=click.IntRange(0), default=0, show_default=True, help="Number of the lamp.")
-def light(rig_toml: Path, azimuth_deg: float, elevation_deg: float, lamp: int) -> None:
-    """Home the light arm, bring its lamp to a direction, and light it."""
+def light(rig_toml: Path, azimuth_deg: float | None, elevation_deg: float | None, lamp: int | None) -> None:
+    """Light the sample from a direction, and print where the light comes from.
+
+    The light arm is homed and brings its lamp there; of a dome, the nearest lamp is lit. It stays lit.
+    """
+    if lamp is None and (azimuth_deg is None or elevation_deg is None):
+        raise click.UsageError("give --azimuth and --elevation, or --lamp of a dome")
+    from litrig.base.directions import angle_between_deg, direction_from_angles
+
+    asked = None if azimuth_deg is None or elevation_deg is None else direction_from_angles(azimuth_deg, elevation_deg)
     with _opened(rig_toml, "arm", "lights") as opened:
-        opened.arm.check(azimuth_deg, elevation_deg)
-        opened.lights.check(lamp)
-        opened.arm.home()
-        pose = opened.light_from(azimuth_deg, elevation_deg)
-        opened.lights.switch_on(lamp)
-    click.echo(f"lamp {lamp} lit at azimuth {pose.azimuth_deg:.2f}°, elevation {pose.elevation_deg:.2f}°")
+        if opened.has_dome:
+            lamp = opened.nearest_lamp(asked) if lamp is None and asked is not None else lamp or 0
+            opened.lights.check(lamp)
+            pose = opened.light_from(*opened.directions_deg[lamp], lamp)
+        elif azimuth_deg is None or elevation_deg is None:
+            raise InputError(f"{rig_toml}: its lamps have no directions of their own; give --azimuth and --elevation")
+        else:
+            lamp = lamp or 0
+            opened.check_light(azimuth_deg, elevation_deg, lamp)
+            opened.arm.home()
+            pose = opened.light_from(azimuth_deg, elevation_deg, lamp)
+    off_deg = (
+        0.0 if asked is None else angle_between_deg(asked, direction_from_angles(pose.azimuth_deg, pose.elevation_deg))
+    )
+    note = f", {off_deg:.1f}° from what was asked for" if off_deg > NOTED_DEG else ""
+    click.echo(f"lamp {lamp} lit at azimuth {pose.azimuth_deg:.2f}°, elevation {pose.elevation_deg:.2f}°{note}")
 
 
 @rig.command(epilog="Example: litrig rig snap rig.toml -o first.png")
 @RIG
+@RECORD
 @click.option("-o", "--output", type=click.Path(path_type=Path), required=True, help="The picture to write.")
 def snap(rig_toml: Path, output: Path) -> None:
     """Take one picture; nothing moves.
@@ -106,3 +133,7 @@ def snap(rig_toml: Path, output: Path) -> None:
     else:
         write_codes(output, decode_codes(shot.content, shot.ending, "camera"))
     click.echo(f"wrote {output}")
+
+
+for command in (init, doctor):
+    rig.add_command(command)

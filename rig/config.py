@@ -1,15 +1,18 @@
-"""RIG.toml: what is plugged in where, and how far each part may go. Unknown keys are refused."""
+"""RIG.toml: what is plugged in where, and how far each part may go. Unknown keys are refused.
+
+What a section may say depends on its `kind`: its driver brings the model (`rig.drivers`).
+"""
 
 import math
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from litrig.base.config import StrictModel, read_toml
+from rig.drivers import ARMS, CAMERAS, LIGHTS, TURNTABLES
+from rig.sections import ArmSection, CameraSection, LightsSection, Port, Positive, TurntableSection
 
-Positive = Annotated[float, Field(gt=0)]
-Port = Annotated[str, Field(pattern=r"^[^\x00]+$")]
 SERVO_TICK_DEG = 360 / 4096
 Turns = Annotated[float, Field(ge=-90_000, le=90_000)]
 Matrix = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
@@ -22,7 +25,7 @@ class RigInfo(StrictModel):
     """How the rig is called in session records."""
 
 
-class TurntableConfig(StrictModel):
+class TurntableConfig(TurntableSection):
     """A turntable on a Dynamixel servo of the X series."""
 
     kind: Literal["dynamixel"] = "dynamixel"
@@ -57,6 +60,11 @@ class TurntableConfig(StrictModel):
     park_deg: float = 0.0
     """Where the table rests at the end of a session."""
 
+    @property
+    def instrument(self) -> str:
+        """Name the servo."""
+        return f"turntable {self.model} (id {self.id})"
+
     @model_validator(mode="after")
     def _limits_in_order(self) -> Self:
         if self.tolerance_deg * self.gear_ratio < SERVO_TICK_DEG / 2:
@@ -68,7 +76,29 @@ class TurntableConfig(StrictModel):
         return self
 
 
-class ArmConfig(StrictModel):
+class ZoneConfig(StrictModel):
+    """A rectangle of joint angles, edges excluded, where the arm must not be; the azimuth counts modulo a turn."""
+
+    name: str = Field(min_length=1, max_length=40)
+    """What is there, for error messages."""
+    azimuth_deg: tuple[float, float]
+    """From and to, in the arm's own frame."""
+    elevation_deg: tuple[float, float]
+    """From and to."""
+    may_pass: bool = False
+    """True if the arm may pass through and only not stop, as where it would stand in the picture."""
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        for name, (low, high) in (("azimuth_deg", self.azimuth_deg), ("elevation_deg", self.elevation_deg)):
+            if not low < high:
+                raise ValueError(f"{name} must rise, as in [{high:g}, {low:g}]")
+        if self.azimuth_deg[1] - self.azimuth_deg[0] > 360:
+            raise ValueError("azimuth_deg must span a turn at most")
+        return self
+
+
+class ArmConfig(ArmSection):
     """A light arm of two axes on a GRBL 1.1 controller: X turns in azimuth, Y in elevation, a degree a millimetre."""
 
     kind: Literal["grbl"] = "grbl"
@@ -95,6 +125,16 @@ class ArmConfig(StrictModel):
     """Highest elevation, where the arm would stand before the camera."""
     speed_deg_s: float = Field(default=110.0, ge=0.1, le=1000)
     """Speed along the path in joint space."""
+    acceleration_deg_s2: float = Field(default=500.0, ge=1, le=100_000)
+    """Acceleration as the controller has it ($120, $121); for predicting times only."""
+    radius_mm: float | None = Field(default=None, gt=0)
+    """From the elevation joint to the lamp; left out, the lamp counts as far away."""
+    pivot_height_mm: float = 0.0
+    """Height of the elevation joint above the sample's plane; below it if negative."""
+    zones: tuple[ZoneConfig, ...] = ()
+    """Where the arm would touch camera or table, or stand in the picture."""
+    settings: dict[Annotated[int, Field(ge=0, le=999)], float] = Field(default_factory=dict)
+    """GRBL settings ($ numbers) that the controller must have; those that differ are written when it is opened."""
     tolerance_deg: Positive = 0.2
     """How far a joint read back may be from its goal."""
     park_azimuth_deg: float = 0.0
@@ -121,8 +161,14 @@ class ArmConfig(StrictModel):
             raise ValueError("park_elevation_deg must lie between min_elevation_deg and max_elevation_deg")
         return self
 
+    @model_validator(mode="after")
+    def _joint_within_radius(self) -> Self:
+        if self.pivot_height_mm and (self.radius_mm is None or abs(self.pivot_height_mm) >= self.radius_mm):
+            raise ValueError("pivot_height_mm needs a radius_mm that is larger")
+        return self
 
-class SpindleLampConfig(StrictModel):
+
+class SpindleLampConfig(LightsSection):
     """The arm's lamp on the spindle output of the same GRBL controller."""
 
     kind: Literal["grbl-spindle"]
@@ -131,16 +177,27 @@ class SpindleLampConfig(StrictModel):
     """Spindle speed S that gives the wanted brightness (GRBL's $30 is full power)."""
     warm_up_s: float = Field(default=0.0, ge=0)
     """How long the lamp needs until its light is steady."""
+    timeout_s: float = Field(default=60.0, ge=0, le=3600)
+    """After so long the controller puts the lamp out by itself, should the host be dead; 0 lets it burn on.
+
+    Unless it is 0, the lamp is dark while the arm moves, and warms up again at each pose.
+    """
+
+    @model_validator(mode="after")
+    def _burns_long_enough(self) -> Self:
+        if self.timeout_s and self.timeout_s <= self.warm_up_s:
+            raise ValueError("timeout_s must exceed warm_up_s, or be 0 for no timeout")
+        return self
 
 
-class AlwaysOnConfig(StrictModel):
+class AlwaysOnConfig(LightsSection):
     """Lamps that the rig does not switch."""
 
     kind: Literal["always-on"]
     """The driver."""
 
 
-class CameraConfig(StrictModel):
+class CameraConfig(CameraSection):
     """A camera behind V4L2."""
 
     kind: Literal["v4l2"] = "v4l2"
@@ -166,6 +223,11 @@ class CameraConfig(StrictModel):
     timeout_s: Positive = 10.0
     """How long a picture may take, beyond its exposure, before the camera counts as hanging."""
 
+    @property
+    def instrument(self) -> str:
+        """Name the device."""
+        return f"camera {self.device}"
+
 
 class SampleConfig(StrictModel):
     """What was measured on the bench about the sample."""
@@ -179,21 +241,36 @@ class RigConfig(StrictModel):
 
     rig: RigInfo = RigInfo()
     """The rig as a whole."""
-    turntable: TurntableConfig | None = None
+    turntable: Annotated[SerializeAsAny[TurntableSection] | None, BeforeValidator(TURNTABLES.read)] = None
     """The turntable."""
-    arm: ArmConfig | None = None
+    arm: Annotated[SerializeAsAny[ArmSection] | None, BeforeValidator(ARMS.read)] = None
     """The light arm."""
-    lights: Annotated[SpindleLampConfig | AlwaysOnConfig, Field(discriminator="kind")] | None = None
+    lights: Annotated[SerializeAsAny[LightsSection] | None, BeforeValidator(LIGHTS.read)] = None
     """The lamps."""
-    camera: CameraConfig | None = None
+    camera: Annotated[SerializeAsAny[CameraSection] | None, BeforeValidator(CAMERAS.read)] = None
     """The camera."""
     sample: SampleConfig = SampleConfig()
     """The sample."""
 
     @model_validator(mode="after")
     def _spindle_needs_arm(self) -> Self:
-        if isinstance(self.lights, SpindleLampConfig) and self.arm is None:
+        has_controller = isinstance(self.arm, ArmConfig)
+        if isinstance(self.lights, SpindleLampConfig) and not has_controller:
             raise ValueError("lights of kind grbl-spindle need an [arm] of kind grbl, whose output they are")
+        return self
+
+    @model_validator(mode="after")
+    def _lamp_outlives_the_exposure(self) -> Self:
+        if (
+            isinstance(self.lights, SpindleLampConfig)
+            and self.lights.timeout_s
+            and isinstance(self.camera, CameraConfig)
+        ):
+            needed_s = self.lights.warm_up_s + self.camera.exposure_ms / 1000 + self.camera.timeout_s
+            if self.lights.timeout_s < needed_s:
+                raise ValueError(
+                    f"lights.timeout_s must be at least {needed_s:g}: warm-up, exposure and the camera's timeout_s"
+                )
         return self
 
 
@@ -205,4 +282,7 @@ def read_rig(path: Path) -> RigConfig:
     InputError, ConfigError
         The file is missing, or a key is unknown, missing or out of range; the message names it.
     """
-    return read_toml(path, RigConfig)
+    config = read_toml(path, RigConfig)
+    if config.lights is None:
+        return config
+    return config.model_copy(update={"lights": config.lights.resolved(path.parent)})

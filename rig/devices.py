@@ -103,6 +103,9 @@ class Lights(Protocol):
     def switch_off(self) -> None:
         """All dark. Safe at any time, and twice."""
 
+    def close(self) -> None:
+        """Give the port back; the lamps stay as they are."""
+
 
 class Camera(Protocol):
     """Takes pictures one by one."""

@@ -1,22 +1,21 @@
 """The rig as a whole: its parts, the state that it is in, and how it comes to rest."""
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from enum import StrEnum
 from types import TracebackType
 from typing import Self, TypeVar
 
-from rig.always_on import AlwaysOn
-from rig.camera.v4l2 import V4l2Camera
+from litrig.base.directions import F64, angle_between_deg, direction_from_angles
 from rig.clock import Clock, MonotonicClock
-from rig.config import AlwaysOnConfig, RigConfig, SpindleLampConfig
+from rig.config import RigConfig
 from rig.devices import ArmPose, Camera, LightArm, Lights, Shot, Turntable, TurntablePose
-from rig.dynamixel.link import DynamixelLink
-from rig.dynamixel.turntable import DynamixelTurntable
-from rig.errors import PositionLostError, RigError
-from rig.grbl.arm import GrblArm
-from rig.grbl.controller import GrblController
-from rig.grbl.lamp import SpindleLamp
+from rig.drivers import ARMS, CAMERAS, LIGHTS, TURNTABLES, Bench
+from rig.errors import OutOfRangeError, PositionLostError, RigError
+from rig.rig_lock import RigLock, lock_rig
+
+DOME_TOLERANCE_DEG = 0.01
+"""How far a wanted direction may be from the lamp's own: both come from the same RIG.toml, but for rounding."""
 
 
 class RigState(StrEnum):
@@ -46,8 +45,10 @@ class Rig:
         arm: LightArm | None = None,
         lights: Lights | None = None,
         camera: Camera | None = None,
+        lock: RigLock | None = None,
     ) -> None:
         self.config, self.clock = config, clock
+        self._lock = lock
         self._turntable, self._arm, self._lights, self._camera = turntable, arm, lights, camera
         self._moving: Turntable | LightArm | None = None
         self.state = RigState.IDLE
@@ -87,10 +88,29 @@ class Rig:
         """The camera; an error if the rig has none."""
         return _present(self._camera, "camera")
 
+    @property
+    def directions_deg(self) -> tuple[tuple[float, float], ...]:
+        """Azimuth and elevation of each lamp of a dome; empty if the lamp rides on the arm."""
+        return () if self.config.lights is None else self.config.lights.directions_deg
+
+    @property
+    def has_dome(self) -> bool:
+        """Whether each lamp has its place, and none rides on the arm."""
+        return bool(self.directions_deg)
+
+    def nearest_lamp(self, direction: F64) -> int:
+        """Return the lamp of a dome whose direction is nearest to a vector (3,) in the view frame."""
+        off_deg = [angle_between_deg(direction, direction_from_angles(*angles)) for angles in self.directions_deg]
+        return off_deg.index(min(off_deg))
+
     def home(self) -> None:
         """Home whatever moves, lamps dark."""
         if self._arm is None and self._turntable is None:
             raise RigError("this rig has nothing that moves: RIG.toml has neither [turntable] nor [arm]")
+        self.get_ready()
+
+    def get_ready(self) -> None:
+        """Home whatever moves, if anything does; lamps dark."""
         self.position_known = False  # until it ends well
         with self._doing(RigState.MOVING):
             if self._arm is not None:
@@ -108,11 +128,47 @@ class Rig:
             self._moving = self.turntable
             return self.turntable.move_to(angle_deg)
 
-    def light_from(self, azimuth_deg: float, elevation_deg: float) -> ArmPose:
-        """Move the arm's lamp."""
-        with self._doing(RigState.MOVING):
-            self._moving = self.arm
-            return self.arm.move_to(azimuth_deg, elevation_deg)
+    def check_light(self, azimuth_deg: float, elevation_deg: float, lamp: int) -> None:
+        """Refuse a light that cannot be had: out of the arm's reach, or not where that lamp of the dome hangs.
+
+        Raises
+        ------
+        OutOfRangeError, RigError
+            Nothing was sent.
+        """
+        self.lights.check(lamp)
+        if not self.has_dome:
+            if self._arm is None:
+                raise RigError(
+                    "this rig has no arm, and its lamps have no directions; add [arm] to RIG.toml, or azimuth_deg and "
+                    "elevation_deg to each [[lights.lamp]]"
+                )
+            self.arm.check(azimuth_deg, elevation_deg)
+            return
+        here = self.locate_light(lamp)
+        off_deg = angle_between_deg(
+            direction_from_angles(azimuth_deg, elevation_deg),
+            direction_from_angles(here.azimuth_deg, here.elevation_deg),
+        )
+        if not off_deg <= DOME_TOLERANCE_DEG:
+            raise OutOfRangeError(
+                f"lights: lamp {lamp} hangs at azimuth {here.azimuth_deg:g}°, elevation {here.elevation_deg:g}°, not "
+                f"at {azimuth_deg:g}°, {elevation_deg:g}°; ask for its own direction"
+            )
+
+    def light_from(self, azimuth_deg: float, elevation_deg: float, lamp: int = 0) -> ArmPose:
+        """Light a lamp: that of the arm, brought to a direction, or one of a dome, which hangs there."""
+        self.check_light(azimuth_deg, elevation_deg, lamp)
+        if not self.has_dome:
+            with self._doing(RigState.MOVING):
+                self._moving = self.arm
+                self.arm.move_to(azimuth_deg, elevation_deg)
+        self.lights.switch_on(lamp)
+        return self.locate_light(lamp)
+
+    def locate_light(self, lamp: int = 0) -> ArmPose:
+        """Tell where a lamp is: ask the arm, or look up the dome."""
+        return ArmPose(*self.directions_deg[lamp]) if self.has_dome else self.arm.locate()
 
     def expose(self, not_before_s: float) -> Shot:
         """Take a picture."""
@@ -169,9 +225,11 @@ class Rig:
             raise
 
     def _close(self) -> None:
-        for part in (self._turntable, self._arm, self._camera):
+        for part in (self._turntable, self._arm, self._lights, self._camera):
             if part is not None:
                 _attempt(part.close)
+        if self._lock is not None:
+            self._lock.release()
 
 
 def open_rig(
@@ -180,6 +238,7 @@ def open_rig(
     use: frozenset[str] = frozenset({"turntable", "arm", "lights", "camera"}),
     clock: Clock | None = None,
     environment: Mapping[str, str] | None = None,
+    locked: bool = False,
 ) -> Rig:
     """Open the parts of a rig that RIG.toml names and that are to be used.
 
@@ -187,40 +246,36 @@ def open_rig(
     ----------
     use : which parts to open; what is not opened cannot fail
     environment : added to the environment of the camera's process
+    locked : the caller holds the rig's lock already
 
     Raises
     ------
     RigError
-        A part is missing or taken; those opened before it are closed again.
+        Another litrig uses the rig, or a part is missing or taken; those opened before it are closed again.
     """
-    clock = clock or MonotonicClock()
-    opened: list[Callable[[], None]] = []
+    lock = None if locked else lock_rig(config)
+    bench = Bench(config, clock or MonotonicClock(), environment or {})
     turntable: Turntable | None = None
     arm: LightArm | None = None
     lights: Lights | None = None
     camera: Camera | None = None
-    try:
+    with ExitStack() as opened:
+        if lock is not None:
+            opened.callback(lock.release)
+        opened.callback(_attempt, bench.close)
         if config.turntable is not None and "turntable" in use:
-            link = DynamixelLink(config.turntable.port, config.turntable.baud, config.turntable.id, clock)
-            opened.append(link.close)
-            turntable = DynamixelTurntable(link, config.turntable, clock)
-        if config.arm is not None and use & {"arm", "lights"}:
-            controller = GrblController(config.arm.port, config.arm.baud, clock)
-            opened.append(controller.close)
-            arm = GrblArm(controller, config.arm, clock)
-            if isinstance(config.lights, SpindleLampConfig):
-                lights = SpindleLamp(controller, config.lights, clock)
-        if isinstance(config.lights, AlwaysOnConfig):
-            lights = AlwaysOn()
+            turntable = TURNTABLES.open(config.turntable, bench)
+            opened.callback(_attempt, turntable.close)
+        if config.arm is not None and "arm" in use:
+            arm = ARMS.open(config.arm, bench)
+            opened.callback(_attempt, arm.close)
+        if config.lights is not None and "lights" in use:
+            lights = LIGHTS.open(config.lights, bench)
+            opened.callback(_attempt, lights.close)
         if config.camera is not None and "camera" in use:
-            camera = V4l2Camera(config.camera, clock, environment)
-            opened.append(camera.close)
-            camera.configure()
-    except BaseException:
-        for close in opened:
-            close()
-        raise
-    return Rig(config, clock=clock, turntable=turntable, arm=arm, lights=lights, camera=camera)
+            camera = CAMERAS.open(config.camera, bench)
+        opened.pop_all()
+    return Rig(config, clock=bench.clock, turntable=turntable, arm=arm, lights=lights, camera=camera, lock=lock)
 
 
 Part = TypeVar("Part")

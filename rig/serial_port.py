@@ -1,13 +1,19 @@
-"""Opening serial ports so that two programs never talk on one wire."""
+"""Opening serial ports so that two programs never talk on one wire.
+
+Every driver opens its port here; so each is exclusive, can be recorded, and can be replaced by a record.
+"""
 
 import errno
-import fcntl
 import os
+from functools import partial
 from pathlib import Path
 
 import serial
 
 from rig.errors import PortError
+from rig.replay import current_replay
+from rig.udev import installing, rule_for
+from rig.wire_record import RecordedSerial, current_recorder
 
 
 def open_serial(path: str, baud: int) -> serial.Serial:
@@ -18,36 +24,15 @@ def open_serial(path: str, baud: int) -> serial.Serial:
     PortError
         The port is missing, forbidden or taken; the message says which, and what to do.
     """
+    if (replay := current_replay()) is not None:
+        return replay.open(path)
+    recorder = current_recorder()
+    opening = serial.Serial if recorder is None else partial(RecordedSerial, recorder)
     try:
-        return serial.Serial(path, baud, timeout=0, write_timeout=2, exclusive=True)
+        # Locked before anything of the port is changed, for somebody may be using it.
+        return opening(path, baud, timeout=0, write_timeout=2, exclusive=True)
     except (serial.SerialException, OSError, ValueError) as error:
         raise port_error(path, error) from error
-
-
-class PortLock:
-    """The lock that `open_serial` takes, for a library that opens the port by itself and takes none."""
-
-    def __init__(self, path: str) -> None:
-        """Take it.
-
-        Raises
-        ------
-        PortError
-            The port is missing or forbidden, or another program holds it.
-        """
-        try:
-            self._descriptor = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
-        except OSError as error:
-            raise port_error(path, error) from error
-        try:
-            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            os.close(self._descriptor)
-            raise port_error(path, error) from error
-
-    def release(self) -> None:
-        """Give it back."""
-        os.close(self._descriptor)
 
 
 def port_error(path: str, error: Exception) -> PortError:
@@ -58,7 +43,7 @@ def port_error(path: str, error: Exception) -> PortError:
         )
     code = getattr(error, "errno", None)
     if code in (errno.EACCES, errno.EPERM) or not os.access(path, os.R_OK | os.W_OK):
-        return PortError(f"{path}: permission denied; add yourself to its group: sudo usermod -aG dialout $USER")
+        return PortError(f"{path}: permission denied; {installing(rule_for(path))}")
     if code in (errno.EAGAIN, errno.EBUSY) or "exclusively lock" in str(error):
         return PortError(
             f"{path}: held by another program ({holders(path) or 'of another user'}); end it and try again"
@@ -82,4 +67,4 @@ def holders(path: str) -> str:
             names.append(f"process {pid}, {Path('/proc', pid, 'comm').read_text().strip()}")
         except OSError:
             continue
-    return "; ".join(names)
+    return " and ".join(names)

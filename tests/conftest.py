@@ -1,11 +1,18 @@
 """What tests of several folders share."""
 
+import signal
 from collections.abc import Iterator
 
 import pytest
 
 from firmware_sim.config import SimConfig
 from firmware_sim.launch import RunningSim, simulated_rig
+
+
+def pytest_sessionstart() -> None:
+    """Hear Ctrl-C again: test processes side by side are started deaf to it, and so would be whatever they start."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture

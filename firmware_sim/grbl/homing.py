@@ -1,6 +1,7 @@
 """The homing cycle: run to the limit switches, back off, touch them again slowly, back off, count from there."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -15,6 +16,8 @@ from firmware_sim.grbl.settings import (
     HOMING_SEEK,
     TRAVEL,
     Settings,
+    axis_count,
+    homing_groups,
     of_axes,
 )
 from firmware_sim.motion import Piece, Profile, Track, Vector, merge, rest, trapezoid
@@ -23,6 +26,8 @@ SEARCH_FACTOR, LOCATE_FACTOR = 1.5, 5.0
 """How far to look for a switch: in travels at first, in pull-offs the second time."""
 HARD_STOP = 2.0
 """How far behind its switch an axis runs into the frame."""
+
+Groups = Sequence[tuple[int, ...]]
 
 SwitchFault = Literal["none", "stuck", "dead"]
 """A stuck switch reads pressed wherever the arm is; a dead one never does."""
@@ -43,28 +48,39 @@ def switch_positions(settings: Settings) -> Vector:
     return tuple(-length if _is_reversed(settings, axis) else 0.0 for axis, length in enumerate(lengths))
 
 
-def homed_position(settings: Settings) -> Vector:
-    """Machine coordinates after homing: a pull-off away from the switches, which stand at the end of the travel."""
+def homed_position(settings: Settings, before: Vector, groups: Groups) -> Vector:
+    """Machine coordinates after homing: a pull-off away from the switches, which stand at the end of the travel.
+
+    Axes that do not home keep theirs.
+    """
     pull_off = settings[HOMING_PULL_OFF]
+    homed = {axis for group in groups for axis in group}
     lengths = of_axes(settings, TRAVEL)
-    return tuple(
-        pull_off - length if _is_reversed(settings, axis) else -pull_off for axis, length in enumerate(lengths)
-    )
+    ends = (pull_off - length if _is_reversed(settings, axis) else -pull_off for axis, length in enumerate(lengths))
+    return tuple(end if axis in homed else place for axis, (end, place) in enumerate(zip(ends, before, strict=True)))
 
 
-def plan_homing(start_s: float, position: Vector, settings: Settings, switches: Vector, fault: SwitchFault) -> Homing:
-    """Plan the whole cycle: Z first, then X and Y together.
+def plan_homing(
+    start_s: float,
+    position: Vector,
+    settings: Settings,
+    switches: Vector,
+    fault: SwitchFault,
+    groups: Groups | None = None,
+) -> Homing:
+    """Plan the whole cycle: Z first, then X and Y together, unless settings say otherwise.
 
     Parameters
     ----------
     start_s : when the motion begins
-    position : (3,) where the arm truly stands
-    switches : (3,) where the switches truly are, in the same coordinates
+    position : (N,) where the arm truly stands
+    switches : (N,) where the switches truly are, in the same coordinates
     fault : what is wrong with the switches
+    groups : axes that home together, group after group; by default those of the settings
     """
     track = Track(position, start_s)
     now_s = start_s
-    for axes in ((2,), (0, 1)):
+    for axes in homing_groups(settings) if groups is None else groups:
         for approach, search in _passes(settings, axes):
             stage = _Stage(settings, switches, fault, axes, approach=approach, search=search)
             pieces, now_s, found = stage.plan(now_s, track.position(now_s))
@@ -77,11 +93,17 @@ def plan_homing(start_s: float, position: Vector, settings: Settings, switches: 
 
 
 def pressed(position: Vector, settings: Settings, switches: Vector, fault: SwitchFault) -> str:
-    """Return the letters of the axes whose switches read pressed, as the field Pn shows them."""
+    """Return the letters of the axes whose switches read pressed, as the field Pn shows them.
+
+    An axis without travel, which turns for ever, has no switch.
+    """
+    axes = AXES[: axis_count(settings)]
     if fault != "none":
-        return AXES if fault == "stuck" else ""
+        return axes if fault == "stuck" else ""
     return "".join(
-        axis for place, axis in enumerate(AXES) if _sign(settings, place) * (position[place] - switches[place]) >= -1e-9
+        axis
+        for place, axis in enumerate(axes)
+        if settings[TRAVEL + place] and _sign(settings, place) * (position[place] - switches[place]) >= -1e-9
     )
 
 
@@ -121,9 +143,9 @@ class _Stage:
             return [rest(start_s, (place,))], True
         sign = _sign(self.settings, axis)
         if not self.approach:
-            return trapezoid(
-                start_s, place, 0.0, place - sign * self.search, self._profile(axis)
-            ), self.fault != "stuck"
+            goal = place - sign * self.search
+            is_clear = sign * (goal - self.switches[axis]) < 0 or self.fault == "dead"
+            return trapezoid(start_s, place, 0.0, goal, self._profile(axis)), is_clear and self.fault != "stuck"
         if self.fault == "stuck":
             return [rest(start_s, (place,))], True
         run = trapezoid(start_s, place, 0.0, place + sign * self.search, self._profile(axis))

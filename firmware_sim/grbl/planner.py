@@ -6,13 +6,13 @@ block starts and ends at rest: a light arm that stops for each exposure never bl
 
 import math
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from firmware_sim.grbl.gcode import Move
+from firmware_sim.grbl.overrides import Overrides
 from firmware_sim.grbl.settings import ACCELERATION, RATE, STEPS, Settings, of_axes
 from firmware_sim.motion import Piece, Profile, Track, Vector, along, rest, stopping, trapezoid
 
-QUEUE_LENGTH = 15
 SLIP_S = 0.02
 """A motor that is stopped at full speed slides on for about this long, and its steps are lost."""
 
@@ -25,6 +25,9 @@ class Block:
     direction: Vector
     length: float
     profile: Profile
+    rate: float
+    """The speed that no override exceeds, units a second."""
+    rapid: bool
 
 
 def plan_block(start: Vector, move: Move, settings: Settings) -> Block | None:
@@ -36,8 +39,9 @@ def plan_block(start: Vector, move: Move, settings: Settings) -> Block | None:
         return None
     direction = tuple(d / length for d in way)
     rate = _along(direction, of_axes(settings, RATE))
-    speed = rate if move.feed is None else min(rate, move.feed)
-    return Block(start, direction, length, Profile(speed / 60, _along(direction, of_axes(settings, ACCELERATION))))
+    speed = rate if move.feed is None else move.feed
+    profile = Profile(speed / 60, _along(direction, of_axes(settings, ACCELERATION)))
+    return Block(start, direction, length, profile, rate / 60, move.feed is None)
 
 
 def on_steps(position: Vector, settings: Settings) -> Vector:
@@ -46,19 +50,20 @@ def on_steps(position: Vector, settings: Settings) -> Vector:
     return tuple(round(p * s) / s for p, s in zip(position, steps, strict=True))
 
 
-def _along(direction: Vector, limits: tuple[float, float, float]) -> float:
+def _along(direction: Vector, limits: tuple[float, ...]) -> float:
     return min(limit / abs(d) for d, limit in zip(direction, limits, strict=True) if abs(d) > 1e-12)
 
 
 class Planner:
     """The queue, the running block, and the track of the arm."""
 
-    def __init__(self, true_position: Vector, now_s: float) -> None:
+    def __init__(self, true_position: Vector, now_s: float, overrides: Overrides, blocks: int = 15) -> None:
         self.track = Track(true_position, now_s)
         self.origin = true_position  # the controller counts from wherever it was switched on
         self._queue: deque[Block] = deque()
         self._running: Block | None = None
         self._stopping = False
+        self._overrides, self._blocks = overrides, blocks
         self.end = (0.0,) * len(true_position)
         """Machine coordinates where the last planned block ends."""
 
@@ -68,7 +73,7 @@ class Planner:
 
     @property
     def free_blocks(self) -> int:
-        return QUEUE_LENGTH - len(self._queue) - (self._running is not None)
+        return self._blocks - len(self._queue) - (self._running is not None)
 
     def position(self, time_s: float) -> Vector:
         """Machine coordinates, as the controller counts them."""
@@ -111,7 +116,14 @@ class Planner:
         self._stopping = False
         if self._running is not None:
             block = self._running
-            self._follow(trapezoid(now_s, self._covered(now_s), 0.0, block.length, block.profile), block)
+            self._follow(trapezoid(now_s, self._covered(now_s), 0.0, block.length, self._profile(block)), block)
+
+    def replan(self, now_s: float) -> None:
+        """Take up new overrides in the middle of a block."""
+        block = self._running
+        if block is not None and not self._stopping:
+            covered, speed = self._covered(now_s), self.speed(now_s)
+            self._follow(trapezoid(now_s, covered, speed, block.length, self._profile(block)), block)
 
     def flush(self, now_s: float) -> None:
         """Forget all that is planned; the arm already rests."""
@@ -128,6 +140,16 @@ class Planner:
         self.origin = tuple(o + s for o, s in zip(self.origin, slid, strict=True))
         self.flush(now_s)
 
+    def lose_steps(self, lost: Vector, now_s: float) -> None:
+        """Let the arm be where it did not come to: behind by `lost`, while the controller counts on."""
+        pieces = self.track.pieces_from(now_s)
+        here = Piece(now_s, self.track.position(now_s), self.track.velocity(now_s), self.track.acceleration(now_s))
+        remaining = [here, *(piece for piece in pieces if piece.start_s > now_s)]
+        self.track.follow(
+            [replace(p, position=tuple(a - b for a, b in zip(p.position, lost, strict=True))) for p in remaining]
+        )
+        self.origin = tuple(o - b for o, b in zip(self.origin, lost, strict=True))
+
     def set_position(self, position: Vector, now_s: float) -> None:
         """Count from now on as if the arm stood at `position`."""
         self.origin = tuple(p - m for p, m in zip(self.track.position(now_s), position, strict=True))
@@ -135,7 +157,12 @@ class Planner:
 
     def _start_next(self, now_s: float) -> None:
         block = self._running = self._queue.popleft()
-        self._follow(trapezoid(now_s, 0.0, 0.0, block.length, block.profile), block)
+        self._follow(trapezoid(now_s, 0.0, 0.0, block.length, self._profile(block)), block)
+
+    def _profile(self, block: Block) -> Profile:
+        """Scale a block's speed; no override lifts it above what the axes can."""
+        percent = self._overrides.rapid if block.rapid else self._overrides.feed
+        return Profile(min(block.profile.speed * percent / 100, block.rate), block.profile.acceleration)
 
     def _covered(self, now_s: float) -> float:
         block = self._running

@@ -1,17 +1,20 @@
-"""What GRBL 1.1h says: banner, feedback messages, status reports."""
+"""What the firmware says: feedback messages, status reports, parameters."""
 
 from dataclasses import dataclass, replace
 
+from firmware_sim.grbl.dialect import Dialect
+from firmware_sim.grbl.eeprom import COORDINATE_SYSTEMS, Eeprom
 from firmware_sim.motion import Vector
 
-BANNER = "\r\nGrbl 1.1h ['$' for help]\r\n"
 HELP = "[HLP:$$ $# $G $I $N $x=val $Nx=line $J=line $SLP $C $X $H ~ ! ? ctrl-x]\r\n"
-BUILD_INFO = "[VER:1.1h.20190830:]\r\n[OPT:V,15,128]\r\n"
-STARTUP_LINES = "$N0=\r\n$N1=\r\n"
 UNLOCK_HINT = "[MSG:'$H'|'$X' to unlock]\r\n"
 UNLOCKED = "[MSG:Caution: Unlocked]\r\n"
 RESET_TO_CONTINUE = "[MSG:Reset to continue]\r\n"
 CHECK_DOOR = "[MSG:Check Door]\r\n"
+ENABLED, DISABLED = "[MSG:Enabled]\r\n", "[MSG:Disabled]\r\n"
+SLEEPING = "[MSG:Sleeping]\r\n"
+PROGRAM_END = "[MSG:Pgm End]\r\n"
+RESTORING = "[MSG:Restoring defaults]\r\n"
 
 OFFSETS_EVERY = (10, 30)
 OVERRIDES_EVERY = (10, 20)
@@ -24,12 +27,15 @@ class Snapshot:
 
     state: str
     position: Vector
+    offset: Vector
     free_blocks: int
     free_bytes: int
     feed: float
     speed: float
-    limits: str
-    spindle: int
+    pins: str
+    accessories: str
+    overrides: tuple[int, int, int]
+    homed: bool
     busy: bool
 
 
@@ -41,7 +47,7 @@ class Rotation:
     overrides: int = 0
 
 
-def status(snapshot: Snapshot, mask: int, rotation: Rotation) -> tuple[str, Rotation]:
+def status(snapshot: Snapshot, mask: int, rotation: Rotation, dialect: Dialect) -> tuple[str, Rotation]:
     """Print a report, as `?` does, and turn the rotation by one.
 
     Parameters
@@ -49,34 +55,40 @@ def status(snapshot: Snapshot, mask: int, rotation: Rotation) -> tuple[str, Rota
     snapshot : what to say
     mask : setting $10; bit 0 for machine instead of work position, bit 1 for the buffer field
     rotation : what was due
+    dialect : of the firmware
     """
-    fields = [snapshot.state, f"{'MPos' if mask & 1 else 'WPos'}:{_vector(snapshot.position)}"]
+    work = tuple(p - o for p, o in zip(snapshot.position, snapshot.offset, strict=True))
+    place = f"MPos:{_vector(snapshot.position)}" if mask & 1 else f"WPos:{_vector(work)}"
+    fields = [snapshot.state, place]
     if mask & 2:
         fields.append(f"Bf:{snapshot.free_blocks},{snapshot.free_bytes}")
     fields.append(f"FS:{snapshot.feed:.0f},{snapshot.speed:.0f}")
-    if snapshot.limits:
-        fields.append(f"Pn:{snapshot.limits}")
-    extra, rotation = _rotate(snapshot, rotation)
+    if snapshot.pins:
+        fields.append(f"Pn:{snapshot.pins}")
+    extra, rotation = _rotate(snapshot, rotation, dialect)
     return f"<{'|'.join(fields + extra)}>\r\n", rotation
 
 
-def _rotate(snapshot: Snapshot, rotation: Rotation) -> tuple[list[str], Rotation]:
+def _rotate(snapshot: Snapshot, rotation: Rotation, dialect: Dialect) -> tuple[list[str], Rotation]:
     if rotation.offsets == 0:
         # WCO and Ov never share a report.
         rest = Rotation(OFFSETS_EVERY[snapshot.busy] - 1, max(rotation.overrides, 1) - 1)
-        return [f"WCO:{_vector((0.0,) * len(snapshot.position))}"], rest
+        return [f"WCO:{_vector(snapshot.offset)}"], rest
     rotation = replace(rotation, offsets=rotation.offsets - 1)
     if rotation.overrides:
         return [], replace(rotation, overrides=rotation.overrides - 1)
-    accessory = {3: ["A:S"], 4: ["A:C"]}.get(snapshot.spindle, [])
-    return ["Ov:100,100,100", *accessory], replace(rotation, overrides=OVERRIDES_EVERY[snapshot.busy] - 1)
+    fields = ["Ov:{},{},{}".format(*snapshot.overrides)]
+    if snapshot.accessories or dialect.extra_fields:
+        fields.append(f"A:{snapshot.accessories}")
+    if dialect.extra_fields:
+        fields += [f"H:{int(snapshot.homed)}", "T:0", "TLR:0"]
+    return fields, replace(rotation, overrides=OVERRIDES_EVERY[snapshot.busy] - 1)
 
 
-def parameters(home: Vector) -> str:
+def parameters(eeprom: Eeprom, shift: Vector) -> str:
     """Print coordinate systems, as `$#` does."""
-    zero = _vector((0.0,) * len(home))
-    offsets = "".join(f"[G{number}:{zero}]\r\n" for number in range(54, 60))
-    return f"{offsets}[G28:{_vector(home)}]\r\n[G30:{zero}]\r\n[G92:{zero}]\r\n[TLO:0.000]\r\n[PRB:{zero}:0]\r\n"
+    places = "".join(f"[{name}:{_vector(eeprom.places[name])}]\r\n" for name in (*COORDINATE_SYSTEMS, "G28", "G30"))
+    return f"{places}[G92:{_vector(shift)}]\r\n[TLO:0.000]\r\n[PRB:{_vector(eeprom.zero)}:0]\r\n"
 
 
 def _vector(values: Vector) -> str:

@@ -129,7 +129,7 @@ class MitsubaRenderer:
 
     def _seed(self, pose: Pose) -> int:
         """Return a seed of each pose's own, so that the noise of two slices has nothing in common."""
-        return zlib.crc32(np.array(pose, np.float64).tobytes(), self._scene.seed)
+        return zlib.crc32(np.array(pose[:4], np.float64).tobytes(), self._scene.seed)
 
 
 def _unit(vectors: F32) -> F32:

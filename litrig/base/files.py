@@ -56,15 +56,14 @@ def replacing(path: Path) -> Iterator[Path]:
             temporary.unlink(missing_ok=True)
 
 
-def write_atomically(path: Path, content: bytes) -> None:
-    """Write a whole file, or leave what was there."""
+def write_atomically(path: Path, *content: bytes) -> None:
+    """Write a whole file, part after part, or leave what was there."""
     with replacing(path) as temporary:
-        temporary.write_bytes(content)
-        stored = temporary.stat().st_size
-        if stored != len(content):
-            raise InputError(
-                f"{path}: only {stored} of {len(content)} bytes could be written; free space and try again"
-            )
+        with temporary.open("wb") as file:
+            file.writelines(content)
+        stored, wanted = temporary.stat().st_size, sum(map(len, content))
+        if stored != wanted:
+            raise InputError(f"{path}: only {stored} of {wanted} bytes could be written; free space and try again")
 
 
 @contextmanager

@@ -204,6 +204,8 @@ def _read_raw(path: Path) -> F32:
                 user_wb=[1.0] * 4,
                 output_color=rawpy.ColorSpace.raw,
                 user_flip=0,
+                # Else a picture whose brightest pixel nears white is stretched to it, each by its own factor.
+                adjust_maximum_thr=0.0,
             )
     except rawpy.LibRawError as error:
         raise FormatError(f"{path}: damaged RAW file ({error}); copy it again") from error

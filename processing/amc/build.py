@@ -25,6 +25,7 @@ from processing.amc.settings import Settings
 from processing.amc.shots import Shots, Slices, find_shots
 from processing.amc.split import fit_envelope
 from processing.amc.table import make_table
+from processing.room import make_room
 
 F64 = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -135,10 +136,12 @@ def build_split(
     low_settings = replace(settings, table_normal=TableNormal.CAMERA)
     low, low_flaws = _mended(shots, low_settings, mask, report)
     if shots.distance_radii is None:
-        high, high_flaws = replace(low, light=low.light.copy()), low_flaws
+        room = make_room(low.light.shape)
+        room.array[:] = low.light
+        high, high_flaws = replace(low, room=room), low_flaws
     else:
         high, high_flaws = _mended(shots, settings, mask, report)
-    envelope = fit_envelope(low.light, low.normals, low.valid, common=True, weight_above=0.001)
+    envelope = fit_envelope(low.light, low.normals, low.valid)
     low.light[:] = envelope.below(low.light, low.normals)
     high.light[:] -= envelope.below(high.light, high.normals)
     return (
@@ -163,7 +166,7 @@ def _assemble(shots: Shots, slices: Slices, flaws: Flaws, settings: Settings) ->
     tangent_angle = settings.tangent_angle or _tangent_angle(chosen, evidence)
     turn = slices.turn.upright if tangent_angle is TangentAngle.SURFACE else slices.turn
     residuals = (probe.upright() if turn is not slices.turn else probe).residuals(depth, repeats)
-    table = make_table(slices.light, slices.valid, shots.series, turn, depth, repeats)
+    table = make_table(slices.room, shots.series, turn, depth, repeats)
     amc = Amc(
         slices=dilate(table, slices.valid, out=table),
         valid=np.broadcast_to(slices.valid, table.shape[:3]),

@@ -2,7 +2,7 @@
 
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
@@ -146,6 +146,7 @@ def build(
     FOLDER is a capture folder, or holds pictures and an angles.csv with a line `name,deg` for each. The sphere is
     found by itself; what was found is printed.
     """
+    from litrig.base.capture_folder.reader import unnamed_pictures
     from litrig.base.console import reporting
     from processing.amc.files.either import ENDINGS, beside, write_any
     from processing.amc.report import describe, facts
@@ -159,7 +160,8 @@ def build(
         check_folder(report_folder)
     settings = _settings(**choices)
     with reporting() as report:
-        results = _results(_Wanted(folder, even, mask, split, unlit), settings, report)
+        turns = {name: _read_turn(turn, even) for name, turn in (("", folder), ("unlit", unlit)) if turn is not None}
+        results = _results(turns, mask, split, settings, report)
         paths = {name: beside(output, name) for name in results}
         for name, result in results.items():
             write_any(paths[name], result.amc, rank=rank)
@@ -167,9 +169,15 @@ def build(
             from processing.amc.report_page import write_report
 
             write_report(report_folder, results)
+    left_out = {str(turn.folder): names for turn in turns.values() if (names := unnamed_pictures(turn))}
     if as_json:
-        echo_facts({"tables": [{"file": str(paths[name]), **facts(results[name])} for name in results]}, as_json)
+        tables = [{"file": str(paths[name]), **facts(results[name])} for name in results]
+        echo_facts({"tables": tables, "left_out": left_out}, as_json)
         return
+    for turn_folder, names in left_out.items():
+        click.echo(
+            f"{turn_folder}: {len(names)} pictures are not named in its list of angles, and left out: {names[0]} …"
+        )
     for name, result in results.items():
         for line in describe(result):
             click.echo(line)
@@ -177,29 +185,19 @@ def build(
         click.echo(f"{paths[name]}: {depth} {'slice' if depth == 1 else 'slices'} of {width} × {height}")
 
 
-class _Wanted(NamedTuple):
-    """What to build from."""
-
-    folder: Path
-    even: bool
-    mask: Path | None
-    split: bool
-    unlit: Path | None
-
-
-def _results(wanted: _Wanted, settings: "Settings", report: "Report") -> "dict[str, AmcResult]":
+def _results(
+    turns: "dict[str, Capture]", mask_path: Path | None, split: bool, settings: "Settings", report: "Report"
+) -> "dict[str, AmcResult]":
     """Build one table or two, by what stands between name and ending of their files."""
     from processing.amc.build import build, build_split, build_unlit
     from processing.amc.flaws.mask import read_mask
 
-    capture = _read_turn(wanted.folder, wanted.even)
-    mask = None if wanted.mask is None else read_mask(wanted.mask)
-    if wanted.split:
-        return dict(zip(("low", "high"), build_split(capture, settings, mask=mask, report=report), strict=True))
-    results = {"": build(capture, settings, mask=mask, report=report)}
-    if wanted.unlit is not None:
-        dark = _read_turn(wanted.unlit, wanted.even)
-        results["unlit"] = build_unlit(results[""], dark, settings, mask=mask, report=report)
+    mask = None if mask_path is None else read_mask(mask_path)
+    if split:
+        return dict(zip(("low", "high"), build_split(turns[""], settings, mask=mask, report=report), strict=True))
+    results = {"": build(turns[""], settings, mask=mask, report=report)}
+    if "unlit" in turns:
+        results["unlit"] = build_unlit(results[""], turns["unlit"], settings, mask=mask, report=report)
     return results
 
 

@@ -41,6 +41,8 @@ def check_angles(angles_rad: F64, source: str) -> int:
             f"{source}: has {len(distinct)} turntable angles, an AMC wants at least {FEWEST_SLICES}; capture more"
         )
     most = (len(distinct) - 1) // 2
+    if _largest_noise_gain(angles_rad, most) <= _LARGEST_NOISE_GAIN:
+        return most
     # The gain rises with m, so that the calm harmonics come first.
     highest = bisect_left(range(1, most + 1), x=True, key=lambda m: _noise_gain(angles_rad, m) > _LARGEST_NOISE_GAIN)
     if highest <= most // 2:
@@ -122,6 +124,18 @@ def _noise_gain(angles_rad: F64, highest: int) -> float:
     design[:, 1:] *= np.sqrt(2)
     smallest = np.linalg.eigvalsh(design.T @ design)[0]  # of the squared singular values
     return float(np.sqrt(len(angles_rad) / max(float(smallest), 1e-12)))
+
+
+def _largest_noise_gain(angles_rad: F64, highest: int) -> float:
+    """Bound `_noise_gain` from above; close where the angles are nearly even, and at hardly any cost.
+
+    Over the functions exp(i·m·τ) the matrix of the least squares is N times a Toeplitz matrix of ones on the diagonal
+    and means of exp(i·k·τ) beside it. None of its eigenvalues is further from 1 than the norm of what stands beside.
+    """
+    orders = np.arange(1, 2 * highest + 1)
+    means = np.abs(np.exp(1j * np.outer(orders, angles_rad)).mean(axis=1))
+    beside = float(np.sqrt(2 * np.sum((2 * highest + 1 - orders) * means**2)))
+    return 1 / np.sqrt(1 - beside) if beside < 1 else np.inf
 
 
 def _widest_gap_deg(distinct_rad: F64) -> tuple[float, float]:

@@ -12,6 +12,7 @@ the verdict is that one cannot tell.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -128,13 +129,13 @@ class _Energies:
         """Mix regions, shares (B, P)."""
         return _Energies(shares @ self.picture, shares @ self.surface, self.measured_noise)
 
-    @property
+    @cached_property
     def noise(self) -> F64:
         """Energy of the noise in a harmonic (B,); both estimates can only be too high."""
         quiet = _quiet(self.picture)
         return quiet if self.measured_noise is None else np.asarray(np.minimum(quiet, self.measured_noise))
 
-    @property
+    @cached_property
     def change(self) -> F64:
         """Energy of the change without noise (B,)."""
         return np.asarray(np.maximum((self.picture[:, 1:] - self.noise[:, None]).sum(axis=1), 0.0))
@@ -147,9 +148,19 @@ class _Energies:
     def over_noise(self) -> F64:
         return np.asarray(self.change / np.maximum(self.noise * (self.picture.shape[1] - 1), 1e-30))
 
+    @cached_property
+    def picture_over_noise(self) -> F64:
+        """The harmonics from the first on, noise taken off (B, M)."""
+        return _over_noise(self.picture)
+
+    @cached_property
+    def surface_over_noise(self) -> F64:
+        return _over_noise(self.surface)
+
     def outside(self, repeats: int) -> F64:
         """Return the smaller of the two shares that contradict R (B,)."""
-        return np.asarray(np.minimum(_share_outside(self.surface, repeats), _share_outside(self.picture, repeats)))
+        over = _share_outside(self.surface_over_noise, repeats), _share_outside(self.picture_over_noise, repeats)
+        return np.asarray(np.minimum(*over))
 
 
 def find_invariance(
@@ -242,9 +253,12 @@ def _quiet(energies: F64) -> F64:
     return np.asarray(np.quantile(energies[:, 1:], 0.25, axis=1))
 
 
-def _share_outside(energies: F64, repeats: int) -> F64:
-    outside = np.arange(1, energies.shape[1]) % repeats != 0
-    over_noise = np.maximum(energies[:, 1:] - _quiet(energies)[:, None], 0)
+def _over_noise(energies: F64) -> F64:
+    return np.asarray(np.maximum(energies[:, 1:] - _quiet(energies)[:, None], 0))
+
+
+def _share_outside(over_noise: F64, repeats: int) -> F64:
+    outside = np.arange(1, over_noise.shape[1] + 1) % repeats != 0
     return np.asarray(over_noise[:, outside].sum(axis=1) / np.maximum(over_noise.sum(axis=1), 1e-30))
 
 
@@ -257,8 +271,8 @@ def _evidence(whole: _Energies, repeats: int) -> Evidence:
     noise = float(whole.noise[0]) * int(outside.sum())
     return Evidence(
         repeats=repeats,
-        outside_surface=float(_share_outside(whole.surface, repeats)[0]),
-        outside_picture=float(_share_outside(whole.picture, repeats)[0]),
+        outside_surface=float(_share_outside(whole.surface_over_noise, repeats)[0]),
+        outside_picture=float(_share_outside(whole.picture_over_noise, repeats)[0]),
         over_noise=float(energies[1:][outside].sum() / max(noise, 1e-30)),
         rotation_rms=float(np.sqrt(difference)),
     )

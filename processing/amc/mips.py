@@ -7,6 +7,7 @@ Along k the table is one whole period, so that the cells of every level close ro
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -44,7 +45,9 @@ def mip_chain(amc: Amc) -> list[MipLevel]:
 
 def first_level(amc: Amc) -> MipLevel:
     """Return the table itself as level 0."""
-    return MipLevel(np.asarray(amc.slices, np.float32), amc.valid.astype(np.float32))
+    same = amc.valid.strides[0] == 0  # then one slice's validity stands for all, and takes the memory of one
+    coverage = (amc.valid[:1] if same else amc.valid).astype(np.float32)
+    return MipLevel(np.asarray(amc.slices, np.float32), np.broadcast_to(coverage, amc.valid.shape))
 
 
 def area_weights(source: int, target: int) -> F32:
@@ -57,26 +60,25 @@ def area_weights(source: int, target: int) -> F32:
 
 
 def _halve(level: MipLevel) -> MipLevel:
-    """Shrink slice by slice first, so that no whole level is held twice."""
+    """Shrink slice by slice, so that no more than the result is held beside the level."""
     depth, height, width = level.coverage.shape
-    small = (depth, max(1, height // 2), max(1, width // 2))
-    seen, dilated = np.zeros((*small, 3), np.float32), np.zeros((*small, 3), np.float32)
-    coverage = np.zeros(small, np.float32)
-    for j, (colours, covered) in enumerate(zip(level.colours, level.coverage, strict=True)):
-        seen[j] = _shrink(colours * covered[..., None], axes=(0, 1))
-        dilated[j], coverage[j] = _shrink(colours, axes=(0, 1)), _shrink(covered, axes=(0, 1))
-    seen, dilated, coverage = (_shrink(part, axes=(0,)) for part in (seen, dilated, coverage))
-    # Where nothing was seen the dilated colours are all there is to average.
-    some = coverage[..., None] > 0
-    colours = np.where(some, seen / np.where(some, coverage[..., None], 1), dilated)
-    return MipLevel(colours.astype(np.float32), coverage)
+    small = (max(1, depth // 2), max(1, height // 2), max(1, width // 2))
+    colours, coverage = np.zeros((*small, 3), np.float32), np.zeros(small, np.float32)
+    for j, shares in enumerate(area_weights(depth, small[0])):
+        seen, dilated = np.zeros_like(colours[j]), np.zeros_like(colours[j])
+        for source in np.flatnonzero(shares):
+            light, covered = level.colours[source], level.coverage[source]
+            seen += shares[source] * _shrink(light * covered[..., None])
+            dilated += shares[source] * _shrink(light)
+            coverage[j] += shares[source] * _shrink(covered)
+        # Where nothing was seen the dilated colours are all there is to average.
+        some = coverage[j][..., None] > 0
+        colours[j] = np.where(some, seen / np.where(some, coverage[j][..., None], 1), dilated)
+    return MipLevel(colours, coverage)
 
 
-def _shrink(table: F32, axes: tuple[int, ...]) -> F32:
-    """Halve some axes."""
-    for axis in axes:
-        count = table.shape[axis]
-        if count > 1:
-            shrunk = np.tensordot(area_weights(count, count // 2), table, axes=(1, axis))
-            table = np.moveaxis(shrunk, 0, axis)
-    return np.ascontiguousarray(table, np.float32)
+def _shrink(one: F32) -> F32:
+    """Halve the rows and columns of one slice."""
+    height, width = one.shape[:2]
+    small = (max(1, width // 2), max(1, height // 2))
+    return np.asarray(cv2.resize(one, small, interpolation=cv2.INTER_AREA), np.float32)

@@ -5,6 +5,7 @@ leave, across columns, rows and slices, is noise, except where a sharp highlight
 its median over the slices.
 """
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,7 +13,9 @@ from processing.amc.resample import Resampler
 
 F32 = NDArray[np.float32]
 
-_SLICE_GAIN = 6.0  # of the second difference (1, −2, 1): the sum of its squares
+_SECOND_DIFFERENCE = np.array([1, -2, 1], np.float32)
+_SLICE_GAIN = 6.0
+"""The sum of its squares."""
 _MEDIAN_OF_SQUARE = 0.4549364
 """Median of a squared normal deviate of variance 1."""
 _MOST_SLICES, _MOST_TEXELS = 96, 4096
@@ -36,7 +39,9 @@ def noise_variance(slices: F32, valid: NDArray[np.bool_], gain: float = 36.0) ->
     if used == len(slices):
         flat = np.concatenate([flat[-1:], flat, flat[:1]])
     left = flat[2:] - 2 * flat[1:-1] + flat[:-2]
-    return float(np.median(left**2, axis=0).mean() / (_MEDIAN_OF_SQUARE * _SLICE_GAIN * gain))
+    squares = np.sort(left**2, axis=0)  # several times as fast as np.median, which says the same
+    median = (squares[(len(squares) - 1) // 2] + squares[len(squares) // 2]) / 2
+    return float(median.mean() / (_MEDIAN_OF_SQUARE * _SLICE_GAIN * gain))
 
 
 def difference_gain(resampler: Resampler, shape: tuple[int, int]) -> float:
@@ -53,10 +58,9 @@ def difference_gain(resampler: Resampler, shape: tuple[int, int]) -> float:
 
 
 def _spatial(one: F32) -> F32:
-    """Second differences across columns, then rows; (S − 2, S − 2, 3)."""
-    across = one[:, 2:] - 2 * one[:, 1:-1] + one[:, :-2]
-    both: F32 = across[2:] - 2 * across[1:-1] + across[:-2]
-    return both
+    """Second differences across columns and rows; (S − 2, S − 2, 3)."""
+    both = cv2.sepFilter2D(one, -1, _SECOND_DIFFERENCE, _SECOND_DIFFERENCE)[1:-1, 1:-1]
+    return np.asarray(both, np.float32)
 
 
 def _inner(valid: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -48,9 +48,10 @@ class Probe:
 
     def residuals(self, depth: int, repeats: int) -> F64:
         """RMS difference (N,) between the slices and what a table of D slices and invariance R says of them."""
-        count = self.series.turned_count
-        even = self.series.turned(self.light, self.turn, even_angles(count))
-        matrix = folding(count, depth, repeats)
+        halves = 2 - repeats % 2
+        count = self.series.turned_count // halves
+        even = self.series.turned(self.light, self.turn, even_angles(count) / halves, halves)
+        matrix = folding(count, depth, repeats // halves)
         table = (matrix @ even.reshape(count, -1)).reshape(depth, *even.shape[1:])
         said = read_back(table, self.turn, repeats, self.series.angles_rad)
         rms: F64 = np.sqrt(np.mean((self.light - said).astype(np.float64) ** 2, axis=(1, 2)))
@@ -68,4 +69,9 @@ def make_probe(slices: Slices, series: Series) -> Probe:
     picked &= slices.valid & (radius <= _TRUSTED_RADIUS)
     sector = np.floor((np.arctan2(n_y, n_x) / (2 * np.pi) + 0.5) * _SECTORS).astype(np.int64) % _SECTORS
     ring = np.minimum((radius / _TRUSTED_RADIUS) ** 2 * _RINGS, _RINGS - 1).astype(np.int64)
-    return Probe(slices.light[:, picked], series, slices.turn[picked], (ring * _SECTORS + sector)[picked])
+    texels = np.flatnonzero(picked)
+    light = np.zeros((len(slices.light), len(texels), 3), np.float32)
+    for index, one in enumerate(slices.light):
+        light[index] = one.reshape(-1, 3)[texels]
+        slices.room.release()
+    return Probe(light, series, slices.turn[picked], (ring * _SECTORS + sector)[picked])

@@ -20,6 +20,7 @@ from processing.amc.settings import Settings
 from processing.amc.table import Series
 from processing.amc.tangent_turn import TangentTurn
 from processing.amc.undistort import undistortion
+from processing.room import Room, make_room
 from processing.stack import Stack, Window
 
 F32 = NDArray[np.float32]
@@ -37,16 +38,21 @@ class Slices:
 
     Attributes
     ----------
-    light : (N, S, S, 3) float32, linear light, black outside `valid`
+    room : where they are
     valid : (S, S) bool, texels that were seen
     turn : (S, S) from the tangent's picture angle to the table's
     difference_gain : what `noise_variance` must know of the resampling
     """
 
-    light: F32
+    room: Room
     valid: NDArray[np.bool_]
     turn: TangentTurn
     difference_gain: float
+
+    @property
+    def light(self) -> F32:
+        """Linear light (N, S, S, 3) float32, black outside `valid`."""
+        return self.room.array
 
     @property
     def normals(self) -> F64:
@@ -84,16 +90,17 @@ class Shots:
         window, (left, top) = self._window()
         circle = self.outline.circle
         resampler = make_resampler(Circle(circle.x_px - left, circle.y_px - top, circle.radius_px), view, size)
-        light = np.zeros((len(self.stack), size, size, 3), np.float32)
+        room = make_room((len(self.stack), size, size, 3))
 
         def resample(index: int, part: F32) -> None:
-            light[index] = resampler(part, self._shift_px(index))
+            resampler(part, self._shift_px(index), out=room.array[index])
+            room.release()
 
         for index, _ in enumerate(self.stack.each(window, resample)):
             report(Progress("resampling", index + 1, len(self.stack), self.stack.paths[index].name))
         shape = (window[0].stop - window[0].start, window[1].stop - window[1].start)
         turn = _tangent_turn(view, size)
-        return Slices(light, resampler.valid, turn, difference_gain(resampler, shape))
+        return Slices(room, resampler.valid, turn, difference_gain(resampler, shape))
 
     def marked(self, mask: Mask, view: SphereView, size: int) -> Mask:
         """Follow a mask (H, W) over the picture that was shot first through all slices (the AMC paper, section 5.1).

@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from processing.amc.harmonics import fit_harmonics, fitting, folding, reading, unfolding
 from processing.amc.tangent_turn import AFTER, BEFORE, TangentTurn, read_turned
+from processing.room import Room, make_room
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 C64 = NDArray[np.complex64]
-Mask = NDArray[np.bool_]
 
 _SAMPLES_PER_WAVE = 4
-_ROWS_AT_ONCE = 16
+_VALUES_AT_ONCE = 1 << 22
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,8 @@ class Series:
 
     @property
     def turned_count(self) -> int:
-        """Even angles that hold what a turn makes of it, for turning widens its waves here and narrows them there."""
-        return self.count + self.count // 2
+        """Even number of even angles that hold what a turn makes of it, for waves get wider here and narrower there."""
+        return 2 * (3 * self.count // 4)
 
     @cached_property
     def fine(self) -> F32:
@@ -58,11 +58,23 @@ class Series:
     def fit(self) -> F64:
         return fitting(self.angles_rad, self.highest)
 
-    def turned(self, slices: F32, turn: TangentTurn, wanted_rad: F64) -> F32:
-        """Read slices (N, T, C) of T texels at angles (J,) of their turned tangents; (J, T, C)."""
+    def turned(self, slices: F32, turn: TangentTurn, wanted_rad: F64, repeats: int = 1) -> F32:
+        """Read slices (N, T, C) of T texels at angles (J,) of their turned tangents; (J, T, C).
+
+        Parameters
+        ----------
+        repeats : 2 leaves out what does not repeat at half a turn, and costs half as much; a turn takes opposite
+            tangents to opposite ones, so that it mixes nothing of the rest in
+        """
         if turn.keeps:
-            return _apply(reading(self.fit, wanted_rad), slices)
-        return read_turned(_apply(self.fine, slices), turn, wanted_rad)
+            copies = [reading(self.fit, wanted_rad + 2 * np.pi * copy / repeats) for copy in range(repeats)]
+            return _apply(np.mean(copies, axis=0), slices)
+        fine = self.fine
+        if repeats == 2:
+            half = _SAMPLES_PER_WAVE * self.count // 2
+            fine = np.float32(0.5) * (fine[: half + BEFORE + AFTER] + fine[half:])
+        turning = slices.reshape(len(slices), -1).T @ fine.T
+        return read_turned(turning.reshape(*slices.shape[1:], len(fine)), turn, wanted_rad, repeats)
 
     def harmonics(self, slices: F32, turn: TangentTurn) -> C64:
         """Return the series (M + 1, T, C) over the angle of the turned tangents."""
@@ -74,45 +86,52 @@ class Series:
         return np.asarray(harmonics, np.complex64)
 
 
-def make_table(slices: F32, valid: Mask, series: Series, turn: TangentTurn, depth: int, repeats: int) -> F32:
+def make_table(room: Room, series: Series, turn: TangentTurn, depth: int, repeats: int) -> F32:
     """Turn slices (N, S, S, 3) into D even ones over one period, in place where they fit.
 
     Light is never negative: a series undershoots zero beside a sharp highlight.
 
     Parameters
     ----------
-    slices : overwritten
-    valid : (S, S) bool, texels that hold something; the others stay 0
+    room : the slices; overwritten
     turn : (S, S)
 
     Returns
     -------
-    table : (D, S, S, 3), a part of `slices` where D is at most N
+    table : (D, S, S, 3), a part of `room` where D is at most N
     """
-    table = slices[:depth] if depth <= len(slices) else np.zeros((depth, *slices.shape[1:]), np.float32)
-    count = series.count if turn.keeps else series.turned_count
-    to_slices = folding(count, depth, repeats)
+    slices, size = len(room.array), room.array.shape[1]
+    made = room if depth <= slices else make_room((depth, *room.array.shape[1:]))
+    halves = 2 - repeats % 2
+    count = series.count if turn.keeps else series.turned_count // halves
     if turn.keeps:
-        to_slices = to_slices @ reading(series.fit, even_angles(count))
-    for first in range(0, slices.shape[1], _ROWS_AT_ONCE):
-        rows = slice(first, first + _ROWS_AT_ONCE)
-        if turn.keeps:
-            made = _apply(to_slices, slices[:, rows])
-            np.maximum(made, 0, out=table[:, rows])
-        else:
-            part = slices[:, rows][:, valid[rows]]
-            made = _apply(to_slices, series.turned(part, turn[rows][valid[rows]], even_angles(count)))
-            table[:, rows][:, valid[rows]] = np.maximum(made, 0, out=made)
-    return table
+        to_slices = folding(count, depth, repeats) @ reading(series.fit, even_angles(count))
+    else:
+        to_slices = folding(count, depth, repeats // halves)
+    widest = slices if turn.keeps else max(slices, _SAMPLES_PER_WAVE * count)
+    step = max(1, _VALUES_AT_ONCE // (widest * size * 3))
+    room.release()
+    for first in range(0, size, step):
+        rows = slice(first, first + step)
+        part = room.rows(rows)
+        shape = (depth, *part.shape[1:])
+        part = part.reshape(slices, -1, 3)
+        if not turn.keeps:
+            part = series.turned(part, turn[rows].flat, even_angles(count) / halves, halves)
+        values = _apply(to_slices, part)
+        made.put_rows(rows, np.maximum(values, 0, out=values).reshape(shape))
+    return made.array[:depth]
 
 
 def read_back(table: F32, turn: TangentTurn, repeats: int, angles_rad: F64) -> F32:
     """Tell what a table (D, T, 3) says of slices at angles in the picture, (N, T, 3)."""
     if turn.keeps:
         return _apply(unfolding(angles_rad, len(table), repeats), table)
-    waves = repeats * len(table)
-    fine = _apply(unfolding(_fine_angles(waves), len(table), repeats), table)
-    return read_turned(fine, turn.inverse, angles_rad)
+    halves = 2 - repeats % 2
+    waves = repeats * len(table) // halves
+    matrix = unfolding(_fine_angles(waves) / halves, len(table), repeats)
+    turning = table.reshape(len(table), -1).T @ matrix.T
+    return read_turned(turning.reshape(*table.shape[1:], len(matrix)), turn.inverse, angles_rad, halves)
 
 
 def even_angles(count: int) -> F64:

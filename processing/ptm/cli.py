@@ -125,7 +125,7 @@ def fit(  # one option each
     """
     from litrig.base.console import reporting
     from processing.ptm.files.either import check_form, choose_coder, write_any
-    from processing.ptm.fit import FitSettings, open_fit
+    from processing.ptm.fit import FitSettings, start_fit
     from processing.ptm.quality import report_on
     from processing.stack import Stack
 
@@ -144,15 +144,17 @@ def fit(  # one option each
         spool=spool,
     )
     stack = Stack.of(capture)
-    with reporting() as report, open_fit(stack, lights.directions, settings, source=capture.digest, report=report) as f:
-        coder = choose_coder(output, f)
-        worth = report_on(f, None if coder is None else coder.stored)
-        write_any(output, f, coder, report)
-    names = [path.name for path in stack.paths]
+    names = {"source": capture.digest, "lights_source": str(capture.lights_from or folder)}
+    with reporting() as report:
+        fitted = start_fit(stack, lights.directions, settings, report=report, **names)
+        coder = choose_coder(output, fitted)
+        worth = report_on(fitted, None if coder is None else coder.stored)
+        write_any(output, fitted, coder, report)
+    pictures = [path.name for path in stack.paths]
     if as_json:
-        click.echo(json.dumps(worth.facts(names)))
+        click.echo(json.dumps(worth.facts(pictures)))
         return
-    click.echo("\n".join(worth.lines(names)))
+    click.echo("\n".join(worth.lines(pictures)))
     near = "" if settings.near is None else ", near lights"
     click.echo(f"{output}: {stack.shape[1]} × {stack.shape[0]} pixels, {chosen}, {settings.colour}, {space}{near}")
 

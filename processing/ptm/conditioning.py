@@ -37,34 +37,35 @@ def fitting_matrix(basis: Basis, light_dirs: NDArray[np.floating], ridge: float 
 
 def ridge_weights(design: F64, ridge: float) -> F64:
     """Return what is added to the diagonal of designᵀ·design, (T,); nothing for a constant term."""
-    varies = np.ptp(design, axis=0) > 1e-9
-    held: F64 = np.where(varies, ridge * np.sum(design**2) / design.shape[1], 0.0)
+    constant = (np.ptp(design, axis=0) < 1e-9) & (np.abs(design[0]) > 1e-9)
+    held: F64 = np.where(constant, 0.0, ridge * np.sum(design**2) / design.shape[1])
     return held
 
 
-def check_lights(basis: Basis, light_dirs: NDArray[np.floating], ridge: float = 0.0) -> None:
-    """Refuse lights that cannot carry a basis, as `fitting_matrix` says."""
+def check_lights(basis: Basis, light_dirs: NDArray[np.floating], ridge: float = 0.0, source: str = "lights") -> None:
+    """Refuse lights that cannot carry a basis, as `fitting_matrix` says; `source` names them in errors."""
     directions: F64 = np.asarray(light_dirs, np.float64)
     if not np.all(np.isfinite(directions)):
-        raise InputError("a light direction is not a number; measure the lights again")
+        raise InputError(f"{source}: a direction is not a number; measure the lights again")
     distinct = len(np.unique(np.round(directions / _SAME_LIGHT).astype(np.int64), axis=0))
     if distinct == 1 and len(directions) > 1:
         raise InputError(
-            f"all {len(directions)} lights come from 1 direction, which cannot carry a {basis}; mend the light "
-            "directions, or capture with a lamp that moves"
+            f"{source}: all {len(directions)} lights come from 1 direction, which cannot carry a {basis}; mend "
+            "their directions, or capture with a lamp that moves"
         )
     if ridge:
         return
     if distinct < basis.terms:
         raise InputError(
-            f"{len(directions)} lights from {distinct} directions cannot carry a {basis}; capture at least "
+            f"{source}: {len(directions)} lights from {distinct} directions cannot carry a {basis}; capture at least "
             f"{basis.terms}, better {5 * basis.terms}, spread over the dome, or fit fewer terms or with --ridge 0.01"
         )
     condition = condition_of(basis.evaluate(directions))
     if not condition <= LARGEST_CONDITION:
         raise InputError(
-            f"{_describe(directions)}, which cannot carry a {basis}: the fit would raise noise {condition:.0e} times. "
-            "Capture lights at several azimuths and at two elevations or more, or fit fewer terms or with --ridge 0.01"
+            f"{source}: {_describe(directions)}, which cannot carry a {basis}: the fit would raise noise "
+            f"{condition:.0e} times. Capture lights at several azimuths and at two elevations or more, or fit fewer "
+            "terms or with --ridge 0.01"
         )
 
 

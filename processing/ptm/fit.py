@@ -1,7 +1,5 @@
 """Fitting coefficients to pictures: every pixel by itself, in strips, so that no result need be held whole."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -103,13 +101,13 @@ class Fit:
         start, stop = top * width, bottom * width
         if self._least_squares and self._pictures.proportional and self.settings.light_gains is None:
             solver = (self._solver / self._pictures.white).astype(np.float32)
-            solve(solver, self._pictures.values, 3 * start, 3 * stop, coefficients.reshape(len(coefficients), -1))
+            values, first = self._pictures.window(start, stop)
+            solve(solver, values, first, first + 3 * (stop - start), coefficients.reshape(len(coefficients), -1))
         else:
             for first in range(start, stop, _BLOCK_PIXELS):
                 pixels = np.arange(first, min(stop, first + _BLOCK_PIXELS))
                 values = self._pictures.pixels(int(pixels[0]), int(pixels[-1]) + 1)
                 coefficients[:, pixels - start] = self._fitted(values, pixels)[0]
-        self._pictures.release()
         return self.split(coefficients.reshape(-1, bottom - top, width, 3))
 
     def sample(self, count: int) -> Strip:
@@ -173,22 +171,23 @@ class Fit:
         return *fit_weighted(values, design, self.held, plain, self.settings.robust), design
 
 
-@contextmanager
-def open_fit(
+def start_fit(
     stack: Stack,
     light_dirs: NDArray[np.floating],
     settings: FitSettings | None = None,
     *,
     source: str = "",
+    lights_source: str = "",
     report: Report = silent,
-) -> Iterator[Fit]:
-    """Read the pictures and hand out their fit, for as long as the body lasts.
+) -> Fit:
+    """Read the pictures and return their fit, which holds them.
 
     Parameters
     ----------
     stack : N pictures
     light_dirs : (N, 3) unit, view frame, sample to light, in the order of the pictures
     source : digest of the frames, to be kept
+    lights_source : names the lights in errors; by default the pictures' folder
 
     Raises
     ------
@@ -203,11 +202,9 @@ def open_fit(
     for path, (_, _, z) in zip(stack.paths, directions, strict=True):
         if z <= 0:
             raise InputError(f"{path}: its light is not above the horizon (z = {z:g}); mend its line in the .lp")
-    check_lights(settings.basis, directions, settings.ridge)
-    with decoded(
-        stack, settings.space, budget_bytes=settings.memory_bytes, spool=settings.spool, report=report
-    ) as pictures:
-        yield Fit(pictures, directions, settings, source)
+    check_lights(settings.basis, directions, settings.ridge, lights_source or str(stack.paths[0].parent))
+    pictures = decoded(stack, settings.space, budget_bytes=settings.memory_bytes, spool=settings.spool, report=report)
+    return Fit(pictures, directions, settings, source)
 
 
 def fit(
@@ -223,10 +220,9 @@ def fit(
     source: str = "",
     report: Report = silent,
 ) -> Ptm:
-    """Fit every pixel and hold the result whole; parameters and errors are those of `FitSettings` and `open_fit`."""
+    """Fit every pixel and hold the result whole; parameters and errors are those of `FitSettings` and `start_fit`."""
     settings = FitSettings(basis, colour, space, robust, ridge, near)
-    with open_fit(stack, light_dirs, settings, source=source, report=report) as fitted:
-        return gathered(fitted, report)
+    return gathered(start_fit(stack, light_dirs, settings, source=source, report=report), report)
 
 
 def gathered(fitted: Fit, report: Report = silent) -> Ptm:

@@ -11,7 +11,7 @@ from litrig.base.progress import Progress, Report, silent
 from processing.decoded import spread
 from processing.ptm.fit import Fit
 from processing.ptm.model import Ptm, Strip
-from processing.ptm.relight import relight
+from processing.ptm.relighting.relight import relight
 from processing.stack import Stack
 
 F32 = NDArray[np.float32]

@@ -1,12 +1,16 @@
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from acquisition.plans import AmcPlan, Plan, PtmPlan
-from acquisition.tour import short_tour
+from acquisition.tour import short_tour, shortest_tour, tour_cost
 from litrig.base.directions import direction_from_angles
 from litrig.base.errors import InputError
+from rig.arm.travel import travel_times_s
+from rig.config import ArmConfig
 
 plans = st.builds(AmcPlan, slices=st.integers(8, 600)) | st.builds(PtmPlan, lights=st.integers(6, 60))
 
@@ -64,3 +68,41 @@ def test_a_tour_is_much_shorter_than_the_spiral() -> None:
     spiral = toured[np.argsort(toured[:, 1])]
     way = [np.linalg.norm(np.diff(points, axis=0), axis=1).sum() for points in (toured, spiral)]
     assert way[0] < 0.25 * way[1]
+
+
+def test_the_tour_of_a_few_poses_is_the_best_there_is() -> None:
+    random = np.random.default_rng(3)
+    for _ in range(20):
+        points = random.uniform(0, 1, (7, 2))
+        costs = np.linalg.norm(points[:, None] - points[None], axis=-1)
+        best = min(tour_cost(costs, (0, *order)) for order in itertools.permutations(range(1, 7)))
+        assert tour_cost(costs, shortest_tour(costs, 0)) <= 1.1 * best
+
+
+def test_a_tour_by_travel_time_uses_the_turns_that_the_cables_allow() -> None:
+    narrow, wide = (
+        ArmConfig.model_validate({"port": "x", "max_azimuth_deg": top, "azimuth_origin_deg": -top})
+        for top in (360.0, 720.0)
+    )
+    pair = [(350.0, 45.0), (10.0, 45.0)]
+    assert travel_times_s(narrow, pair)[0, 1] > 3 > 0.5 > travel_times_s(wide, pair)[0, 1]
+
+
+def test_a_plan_predicts_its_travel_and_the_spiral_takes_longer() -> None:
+    arm = ArmConfig.model_validate({"port": "x"})
+    toured, spiral = (PtmPlan(80, arm=arm, order=order).travel_s() for order in ("tour", "spiral"))
+    assert toured is not None
+    assert spiral is not None
+    assert 80 * 0.2 < toured < 0.4 * spiral
+    assert PtmPlan(80).travel_s() is None
+    assert sorted(step.aim.azimuth_deg for step in PtmPlan(80, arm=arm) if step.aim) == sorted(
+        step.aim.azimuth_deg for step in PtmPlan(80) if step.aim
+    )
+
+
+def test_a_tour_goes_around_a_zone() -> None:
+    zone = {"name": "camera post", "azimuth_deg": [80, 100], "elevation_deg": [10, 60]}
+    free = ArmConfig.model_validate({"port": "x"})
+    blocked = ArmConfig.model_validate({"port": "x", "zones": [zone]})
+    pair = [(70.0, 30.0), (110.0, 30.0)]
+    assert travel_times_s(blocked, pair)[0, 1] > travel_times_s(free, pair)[0, 1] + 0.3

@@ -89,6 +89,16 @@ def test_a_raw_still_is_linear(tmp_path: Path) -> None:
     np.testing.assert_allclose(picture[20:40, 20:40], 0.1, rtol=0.02)
 
 
+def test_a_raw_still_with_highlights_is_not_stretched(tmp_path: Path) -> None:
+    """Frames of one turn are compared, so that none may be scaled by what it happens to show."""
+    mosaic = np.full((64, 64), 512 + 6502, np.uint16)
+    mosaic[:, 40:] = 512 + 9 * 6502
+    write_dng(tmp_path / "a.dng", mosaic)
+    picture = read_linear(tmp_path / "a.dng")
+    np.testing.assert_allclose(picture[20:40, 10:20], 0.1, rtol=0.001)
+    np.testing.assert_allclose(picture[20:40, 50:60], 0.9, rtol=0.001)
+
+
 def test_a_radiance_picture_is_linear_and_unbounded(tmp_path: Path) -> None:
     light = np.zeros((5, 7, 3), np.float32)
     light[..., 0], light[..., 1], light[..., 2] = 12.0, 0.5, 0.03125

@@ -14,7 +14,7 @@ from processing.ptm.files.ptm_file import read_ptm, write_ptm
 from processing.ptm.fit import fit
 from processing.ptm.lights.estimate import Ways, estimate_lights
 from processing.ptm.model import Colour
-from processing.ptm.relight import relight
+from processing.ptm.relighting.relight import relight
 from processing.stack import Stack
 from tests.oracle.compare import amc_psnr_db, psnr_db, relative_rmse, trusted
 from tests.oracle.shoot import CHROME, NAIVE, Studio, Way, seen_from

@@ -1,6 +1,7 @@
 """The commands end to end; what they compute is tested beside the modules that compute it."""
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from processing.amc.cli import amc
 from processing.amc.files.ktx2 import read_amc
 from processing.ptm.cli import ptm
 from processing.ptm.files.ptm_file import read_ptm
+from tests.base.test_pictures import write_dng
 from tests.processing.amc.brushed_sphere import Scene, true_table
 from tests.processing.ptm.relief import dome, write_relief
 
@@ -82,6 +84,18 @@ def test_build_says_which_frame_is_missing(sphere: Path, tmp_path: Path) -> None
     said = run(amc, "build", folder, "-o", tmp_path / "x.amc.ktx2", "--size", 16).output
     assert "no frame between 67.5 and 112.5 deg" in said
     assert "no frame" not in run(amc, "build", sphere, "-o", tmp_path / "x.amc.ktx2", "--size", 16).output
+
+
+def test_build_says_which_pictures_no_angle_names(sphere: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "more"
+    shutil.copytree(sphere, folder)
+    for name in ("white.png", "before.png"):
+        shutil.copy(folder / "frame_0000.png", folder / name)
+    result = run(amc, "build", folder, "-o", tmp_path / "x.amc.ktx2", "--size", 16)
+    assert f"{folder}: 2 pictures are not named in its list of angles, and left out: before.png" in result.output
+    assert "left out" not in run(amc, "build", sphere, "-o", tmp_path / "x.amc.ktx2", "--size", 16).output
+    said = json.loads(run(amc, "build", folder, "-o", tmp_path / "x.amc.ktx2", "--size", 16, "--json").stdout)
+    assert said["left_out"] == {str(folder): ["before.png", "white.png"]}
 
 
 def test_build_speaks_json_and_writes_a_page(sphere: Path, tmp_path: Path) -> None:
@@ -158,6 +172,29 @@ def test_build_takes_a_mask(sphere: Path, tmp_path: Path) -> None:
     result = run(amc, "build", sphere, "-o", out, "--size", 24, "--mask", tmp_path / "mask.png", "--json")
     (said,) = json.loads(result.stdout)["tables"]
     assert 0.03 < said["filled"] < 0.15
+
+
+def test_raw_pictures_make_the_same_table(tmp_path: Path) -> None:
+    """A mosaic tells one colour a pixel, the others are guessed from its neighbours'."""
+    scene = Scene(circle=(59.3, 54.8, 46.4), shape=(110, 118), samples=2)
+    angles_deg = np.linspace(0, 330, 12)
+    scene.shoot(tmp_path / "png", angles_deg)
+    (tmp_path / "raw").mkdir()
+    lines = ["name,deg"]
+    for angle_deg in angles_deg:
+        light = scene.picture(float(angle_deg))
+        mosaic = light[..., 1].copy()
+        mosaic[::2, ::2], mosaic[1::2, 1::2] = light[::2, ::2, 0], light[1::2, 1::2, 2]
+        name = f"{angle_deg:03.0f}.dng"
+        write_dng(tmp_path / "raw" / name, np.rint(512 + np.clip(mosaic, 0, 1) * (65535 - 512)).astype(np.uint16))
+        lines.append(f"{name},{angle_deg}")
+    (tmp_path / "raw" / "angles.csv").write_text("\n".join(lines))
+    tables = []
+    for kind in ("png", "raw"):
+        run(amc, "build", tmp_path / kind, "-o", tmp_path / f"{kind}.amc.ktx2", "--size", 16, "--invariance", 1)
+        tables.append(read_amc(tmp_path / f"{kind}.amc.ktx2").slices)
+    assert tables[0].shape == (12, 16, 16, 3)
+    assert np.sqrt(np.mean((tables[0] - tables[1]) ** 2)) < 0.01
 
 
 def test_low_rank_tables_are_built_converted_and_described(sphere: Path, tmp_path: Path) -> None:

@@ -7,8 +7,9 @@ import pytest
 import serial
 
 from firmware_sim.launch import RunningSim
+from rig.camera.v4l2 import V4l2Camera
 from rig.clock import MonotonicClock
-from rig.config import RigConfig, read_rig
+from rig.config import CameraConfig, RigConfig, TurntableConfig, read_rig
 from rig.dynamixel import registers
 from rig.dynamixel.link import DynamixelLink
 from rig.errors import CameraError, DeviceError, GarbledReplyError, LinkTimeoutError, PortError, PositionLostError
@@ -25,7 +26,7 @@ def config_of(sim: RunningSim) -> RigConfig:
 
 def link_to(sim: RunningSim, **changes: int) -> DynamixelLink:
     table = config_of(sim).turntable
-    assert table is not None
+    assert isinstance(table, TurntableConfig)
     return DynamixelLink(table.port, changes.get("baud", table.baud), changes.get("id", table.id), MonotonicClock())
 
 
@@ -115,11 +116,14 @@ def test_a_port_that_is_taken_says_by_whom(sphere_sim: RunningSim) -> None:
             opened(sphere_sim, part)
 
 
-def test_a_second_rig_cannot_open_the_same_ports(sphere_sim: RunningSim) -> None:
-    with opened(sphere_sim, "turntable", "arm"):
-        for part in ("turntable", "arm"):
-            with pytest.raises(PortError, match="held by another program"):
+def test_a_second_litrig_on_the_same_rig_is_refused_and_the_first_goes_on(sphere_sim: RunningSim) -> None:
+    with opened(sphere_sim, "turntable") as first:
+        first.turntable.home()
+        for part in ("turntable", "arm", "camera"):
+            with pytest.raises(PortError, match=rf"in use by litrig, process {os.getpid()}; wait for its end"):
                 opened(sphere_sim, part)
+        assert first.turn_to(20).angle_deg == pytest.approx(20, abs=0.3)
+    opened(sphere_sim, "turntable").__exit__(None, None, None)
 
 
 def test_a_missing_port_is_named() -> None:
@@ -135,8 +139,14 @@ def test_a_missing_camera_is_named() -> None:
 
 
 def test_a_camera_that_is_taken_is_an_error(sphere_sim: RunningSim) -> None:
-    with opened(sphere_sim, "camera"), pytest.raises(CameraError, match="/dev/video42"):
-        opened(sphere_sim, "camera")
+    config = config_of(sphere_sim).camera
+    assert isinstance(config, CameraConfig)
+    second = V4l2Camera(config, MonotonicClock(), sphere_sim.environment)
+    try:
+        with opened(sphere_sim, "camera"), pytest.raises(CameraError, match="/dev/video42: cannot be opened"):
+            second.configure()
+    finally:
+        second.close()
 
 
 def test_an_unplugged_camera_is_an_error(sphere_sim: RunningSim) -> None:
@@ -206,9 +216,9 @@ def test_an_alarm_that_comes_unasked_is_not_overheard(relief_sim: RunningSim) ->
         rig.home()
         port = config_of(relief_sim).arm
         assert port is not None
-        rig.arm._controller._write(b"$J=G91 X-200 F6000\n")  # type: ignore[attr-defined]  # motion behind its back
+        rig.arm._controller._line.write(b"$J=G91 X-200 F6000\n")  # type: ignore[attr-defined]  # motion behind its back
         rig.clock.sleep(0.3)
-        rig.arm._controller._write(b"\x18")  # type: ignore[attr-defined]  # a reset in motion: alarm 3
+        rig.arm._controller._line.write(b"\x18")  # type: ignore[attr-defined]  # a reset in motion: alarm 3
         rig.clock.sleep(0.8)
         with pytest.raises(PositionLostError, match="alarm 3"):
             rig.arm.locate()

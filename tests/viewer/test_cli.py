@@ -18,7 +18,7 @@ from processing.amc.isotropic import isotropic_matcap
 from processing.amc.model import Amc
 from processing.ptm.files.ptm_file import read_ptm, write_ptm
 from processing.ptm.model import Ptm
-from processing.ptm.relight import relight
+from processing.ptm.relighting.relight import relight
 from tests.viewer.analytic import brushed_amc
 from viewer.cli import render
 from viewer.render_file import DEFAULT_LIGHT

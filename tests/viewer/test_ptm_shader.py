@@ -8,7 +8,7 @@ from litrig.base.errors import InputError
 from litrig.base.radiometry import decode_srgb, to_u8
 from processing.mesh.model import Mesh
 from processing.ptm.model import Ptm, Space
-from processing.ptm.relight import relight
+from processing.ptm.relighting.relight import relight
 from viewer.renderer import Renderer
 from viewer.view import Projection, View
 

@@ -54,6 +54,7 @@ class Capture:
     tangent_zero_deg : tangent angle of the sample at turntable zero, from the view frame's x axis (AMC sessions)
     sphere_distance_radii : camera to sphere centre in sphere radii, if the operator measured it
     picture_width_mm : how much of the sample the pictures' width covers, if the list of lights says so
+    lights_from : the list that the light directions came from; None where they did not come from one
     remarks : what a person should know of how pictures and lights were paired
     digest : sha256 over the names and digests of all frames, to tell in a result what it was made from
     """
@@ -65,6 +66,7 @@ class Capture:
     sphere_distance_radii: float | None = None
     digest: str = ""
     picture_width_mm: float | None = None
+    lights_from: Path | None = None
     remarks: tuple[str, ...] = ()
 
     def having(self, role: Role) -> Iterator[CapturedFrame]:

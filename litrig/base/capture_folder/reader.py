@@ -89,6 +89,7 @@ def pair_lights(capture: Capture, lights: Lights, source: Path) -> Capture:
         capture,
         frames=paired,
         picture_width_mm=lights.picture_width_mm,
+        lights_from=source,
         remarks=(*capture.remarks, *remarks),
     )
 
@@ -120,6 +121,15 @@ def turn_evenly(capture: Capture) -> Capture:
     step_deg = 360 / max(1, len(frames))
     turned = tuple(replace(frame, angle_deg=step_deg * index) for index, frame in enumerate(frames))
     return replace(capture, frames=turned + others)
+
+
+def unnamed_pictures(capture: Capture) -> list[str]:
+    """Name the pictures of a plain folder that its `.lp` or `angles.csv` does not, and which are therefore left out."""
+    if layout.is_capture_folder(capture.folder):
+        return []
+    named = {frame.path.name for frame in capture.frames}
+    there = (path.name for path in capture.folder.iterdir() if path.is_file() and is_picture(path))
+    return sorted(name for name in there if name not in named)
 
 
 def _read_session(folder: Path) -> Capture:

@@ -4,6 +4,7 @@ The volume has columns from left to right, rows from top to bottom (row 0 at n_y
 sRGB codes or linear half floats, straight, and reach past the disc of normals; alpha is validity.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -72,14 +73,11 @@ def write_amc(
     elif not half_float and not _fits_codes(amc):
         raise InputError(f"{path}: colours reach {_extremes(amc)}, outside 0..1 of 8-bit codes; store half floats")
     levels = mip_chain(amc) if mip_levels else [first_level(amc)]
-    packed = []
-    for level in levels:
-        plain = _encode(level, half_float)
-        packed.append(zstandard.ZstdCompressor(_ZSTD_LEVEL).compress(plain) if compress else plain)
+    packed = [_pack(level, half_float, compress) for level in levels]
     vk_format = VkFormat.R16G16B16A16_SFLOAT if half_float else VkFormat.R8G8B8A8_SRGB
     depth, size = amc.slices.shape[:2]
     scheme = Scheme.ZSTANDARD if compress else Scheme.NONE
-    write_atomically(path, assemble(vk_format, size, depth, scheme, _keys(amc), packed))
+    write_atomically(path, *assemble(vk_format, size, depth, scheme, _keys(amc), packed))
 
 
 def read_amc(path: Path) -> Amc:
@@ -164,15 +162,24 @@ def _meaning(path: Path, container: Container) -> Meaning:
     return read_meaning(stored.removesuffix(b"\0"), container.depth, f"{path}: {KEY}")
 
 
-def _encode(level: MipLevel, half_float: bool) -> bytes:
-    """Encode slice by slice, for the floats of a whole level are four times as large as its codes."""
-    texels = np.zeros((*level.coverage.shape, 4), "<f2" if half_float else np.uint8)
-    for stored, colours, coverage in zip(texels, level.colours, level.coverage, strict=True):
+def _pack(level: MipLevel, half_float: bool, compress: bool) -> bytes:
+    """Encode and pack slice by slice, for the floats of a whole level are four times as large as its codes."""
+    if not compress:
+        return b"".join(_encoded(level, half_float))
+    texel_bytes = 8 if half_float else 4
+    packer = zstandard.ZstdCompressor(_ZSTD_LEVEL).compressobj(size=level.coverage.size * texel_bytes)
+    return b"".join([*(packer.compress(plain) for plain in _encoded(level, half_float)), packer.flush()])
+
+
+def _encoded(level: MipLevel, half_float: bool) -> Iterator[bytes]:
+    """Yield the texels of one slice after the other."""
+    for colours, coverage in zip(level.colours, level.coverage, strict=True):
+        stored = np.zeros((*coverage.shape, 4), "<f2" if half_float else np.uint8)
         if half_float:
             stored[..., :3], stored[..., 3] = colours, coverage
         else:
             stored[..., :3], stored[..., 3] = to_u8(encode_srgb(colours)), to_u8(coverage)
-    return texels.tobytes()
+        yield stored.tobytes()
 
 
 def _read_level(path: Path, container: Container, level: int) -> MipLevel:

@@ -68,8 +68,8 @@ class Container:
 
 def assemble(
     vk_format: VkFormat, size: int, depth: int, scheme: Scheme, keys: Mapping[str, bytes], packed: Sequence[bytes]
-) -> bytes:
-    """Put a whole file together from the bytes of each level, the largest first, packed by `scheme`."""
+) -> list[bytes]:
+    """Put a whole file together from the bytes of each level, the largest first, packed by `scheme`; in parts."""
     descriptor, key_values = data_format_descriptor(vk_format), _pack_keys(keys)
     descriptor_at = HEADER.size + LEVEL_PLACE.size * len(packed)
     keys_at = descriptor_at + len(descriptor)
@@ -81,13 +81,14 @@ def assemble(
     # Plain texels start at a multiple of their own size; packed levels follow one another without a gap.
     alignment = vk_format.texel_bytes if scheme is Scheme.NONE else 1
     places: list[bytes] = []
-    body = bytearray()
+    body: list[bytes] = []
+    at = keys_at + len(key_values)
     for level in reversed(range(len(packed))):
-        body += bytes(-(keys_at + len(key_values) + len(body)) % alignment)
-        at = keys_at + len(key_values) + len(body)
+        body += [bytes(-at % alignment), packed[level]]
+        at += len(body[-2])
         places.insert(0, LEVEL_PLACE.pack(at, len(packed[level]), container.level_bytes(level)))
-        body += packed[level]
-    return b"".join([header, *places, descriptor, key_values, body])
+        at += len(packed[level])
+    return [header, *places, descriptor, key_values, *body]
 
 
 def data_format_descriptor(vk_format: VkFormat) -> bytes:

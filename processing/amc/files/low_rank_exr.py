@@ -19,25 +19,19 @@ from processing.amc.low_rank import LowRankAmc
 from processing.exr_parts import read_parts, write_parts
 
 F32 = NDArray[np.float32]
-_LARGEST_HALF = float(np.finfo(np.float16).max)
 
 
-def write_low_rank(path: Path, low: LowRankAmc, *, half_float: bool = False) -> None:
+def write_low_rank(path: Path, low: LowRankAmc) -> None:
     """Write a low-rank AMC; the file is whole or not there.
-
-    Parameters
-    ----------
-    half_float : store the pictures as half floats; curves are always float32
 
     Raises
     ------
     InputError
-        The name does not end in .exr, the arrays do not make a low-rank AMC or hold what is no number, a colour
-        exceeds half floats, or the file cannot be written.
+        The name does not end in .exr, the arrays do not make a low-rank AMC or hold what is no number, or the file
+        cannot be written.
     """
-    _check(path, low, half_float)
-    picture_type = np.float16 if half_float else np.float32
-    stored: list[tuple[str, NDArray[np.floating]]] = [("RGB", picture.astype(picture_type)) for picture in low.pictures]
+    _check(path, low)
+    stored: list[tuple[str, NDArray[np.floating]]] = [("RGB", picture.astype(np.float32)) for picture in low.pictures]
     stored += [("Y", low.curves.astype(np.float32)), ("Y", low.valid.astype(np.float32))]
     parts = [
         OpenEXR.Part({**_header(low), "name": name}, {channel: np.ascontiguousarray(values)})
@@ -76,7 +70,7 @@ def _header(low: LowRankAmc) -> dict[str, Any]:
     }
 
 
-def _check(path: Path, low: LowRankAmc, half_float: bool) -> None:
+def _check(path: Path, low: LowRankAmc) -> None:
     if path.suffix.lower() != ".exr":
         raise InputError(f"{path}: cannot hold a low-rank AMC; end the name in .amc.exr")
     pictures, curves, valid = low.pictures.shape, low.curves.shape, low.valid.shape
@@ -86,6 +80,5 @@ def _check(path: Path, low: LowRankAmc, half_float: bool) -> None:
             f"{path}: pictures {pictures} with curves {curves} and validity {valid} are no low-rank AMC; "
             "give (rank, S, S, 3), (D, rank) and (S, S)"
         )
-    most = _LARGEST_HALF if half_float else float(np.finfo(np.float32).max)
-    if not (np.all(np.abs(low.pictures) <= most) and np.all(np.isfinite(low.curves))):
-        raise InputError(f"{path}: pictures or curves exceed {most:g} or are no numbers; scale or mend them")
+    if not (np.all(np.isfinite(low.pictures)) and np.all(np.isfinite(low.curves))):
+        raise InputError(f"{path}: pictures or curves hold what is no number; mend them")

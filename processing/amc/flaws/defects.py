@@ -41,8 +41,10 @@ _MOST_STRAY, _LEAST_COVERED, _LEAST_USUAL = 8.0, 0.3, 0.15
 _ALARMS = ((4.2, 3.3), (3.5, 3.5))
 _GROWN_TO, _GROWN_TO_PEAK, _PEAK_WINDOW_PX = 0.55, 0.35, 7
 _LEAST_CORE_PX = 3
+_MIDDLE, _WORST_WITHIN = 0.4, 0.35
 _RIM, _RIM_RING = 0.8, 0.04
 _USUAL_OF_MEDIAN = 1.4826
+_MOST_ASKED = 2048
 
 
 @dataclass(frozen=True)
@@ -51,18 +53,14 @@ class Defects:
 
     Attributes
     ----------
-    turning : (S, S) bool, folds and cuts, in the frame of slice 0; `sample_frame.track` finds them in the others
+    turning : (S, S) bool, folds and cuts, in the frame of slice 0; rather too wide than too narrow
+    middles : (S, S) bool, of these the places that differ most
     still : (S, S) bool, texels that hold a hot or dead pixel, or a speck on the lens, in every slice
-    strength : (S, S) float32, how far each place's light curve strays from its neighbours', in units of the alarm
-    share : of the valid texels, what turns
-    weakest : the least peak of `strength` in any one fold or cut; near 1 look twice; infinite when there is none
     """
 
     turning: Mask
+    middles: Mask
     still: Mask
-    strength: F32
-    share: float
-    weakest: float
 
 
 def find_defects(slices: F32, angles_rad: F64, valid: Mask) -> Defects:
@@ -76,12 +74,8 @@ def find_defects(slices: F32, angles_rad: F64, valid: Mask) -> Defects:
     """
     still = find_still(slices, valid)
     curves = light_curves(slices, angles_rad - angles_rad[0], valid, still)
-    strength = _strength(curves, valid)
-    turning = _grown(strength, valid)
-    names, count = ndimage.label(turning, np.ones((3, 3)))
-    peaks = ndimage.maximum(strength, names, np.arange(1, count + 1))
-    share = float(turning.sum() / max(int(valid.sum()), 1))
-    return Defects(turning, still, strength, share, float(np.min(peaks, initial=np.inf)))
+    turning = _grown(_strength(curves, valid), valid)
+    return Defects(turning, _middles(turning, curves, valid), still)
 
 
 def _strength(curves: F32, valid: Mask) -> F32:
@@ -103,12 +97,29 @@ def _strength(curves: F32, valid: Mask) -> F32:
 
 def _grow(strength: F32, curves: F32, near: Mask, level: Mask, valid: Mask) -> None:
     """Compare what is near a mark with what is not: the inside of a dart agrees with itself, but not with that."""
-    believed = valid & ~near
-    strays = curves - local_fit(curves, believed.astype(np.float32), _COARSE * len(valid))
-    strays /= usual_stray(strays, believed, _floor(curves))
+    strays = _against_the_rest(near, curves, valid)
     afresh = np.zeros_like(strength)
     _raise_to(afresh, strays, valid, level, _ALARMS_OF_GROWTH)
     strength[near] = np.maximum(strength, afresh)[near]
+
+
+def _against_the_rest(near: Mask, curves: F32, valid: Mask) -> F32:
+    """Compare all places with those that are not near a mark; (K, S, S) in units of what is usual."""
+    believed = valid & ~near
+    strays = curves - local_fit(curves, believed.astype(np.float32), _COARSE * len(valid))
+    strays /= usual_stray(strays, believed, _floor(curves))
+    return strays
+
+
+def _middles(turning: Mask, curves: F32, valid: Mask) -> Mask:
+    """Find what differs nearly as much as the worst place around it, without the lines that widen marks."""
+    if not turning.any():
+        return turning
+    near = ndimage.binary_dilation(turning, iterations=_GROWTH_PX) & valid
+    differing = np.where(turning, np.maximum(*rms_of_groups(_against_the_rest(near, curves, valid))), 0)
+    window = max(_SHORTEST_LINE_PX, int(_WORST_WITHIN * len(valid)) | 1)
+    middles: Mask = turning & (differing > _MIDDLE * ndimage.maximum_filter(differing, window))
+    return middles
 
 
 def _raise_to(strength: F32, strays: F32, valid: Mask, believed: Mask, alarms: tuple[float, float]) -> None:
@@ -131,13 +142,16 @@ def _along_lines(strays: F32, valid: Mask, believed: Mask) -> tuple[F32, F32]:
     """
     length = max(_SHORTEST_LINE_PX, int(_LINE_SHARE * len(valid)) | 1)
     limited = np.clip(strays, -_MOST_STRAY, _MOST_STRAY) * valid
+    asked = np.flatnonzero(believed)
+    asked = asked[:: -(-len(asked) // _MOST_ASKED)]
     best = [np.zeros(valid.shape, np.float32) for _ in range(2)]
     for direction in range(_DIRECTIONS):
         kernel = _line(length, direction * np.pi / _DIRECTIONS)
         covered = cv2.filter2D(valid.astype(np.float32), -1, kernel, borderType=cv2.BORDER_CONSTANT)
         sums = np.stack([cv2.filter2D(one, -1, kernel, borderType=cv2.BORDER_CONSTANT) for one in limited])
         along = np.asarray(sums / np.sqrt(np.maximum(covered, _LEAST_COVERED)), np.float32)
-        usual = np.maximum(_USUAL_OF_MEDIAN * np.median(np.abs(along[:, believed]), axis=1), _LEAST_USUAL)
+        some = np.abs(along.reshape(len(along), -1)[:, asked])
+        usual = np.maximum(_USUAL_OF_MEDIAN * np.median(some, axis=1), _LEAST_USUAL)
         along /= usual.astype(np.float32)[:, None, None]
         for joined, most in zip(rms_of_groups(along), best, strict=True):
             np.maximum(most, joined * valid, out=most)

@@ -1,11 +1,9 @@
 """Marked texels get the light they would have shown, from the rest of the turn and from their neighbours on the sphere.
 
 The AMC paper expands neighbours over the marks (section 5.1). A mark that turns with the sample hides a texel in a few
-slices only, and the other slices say more than the neighbours do: they are of the same normal. So each texel's light is
-taken for a periodic random function of the turntable's angle, whose covariance all texels share, and the marked values
-for its conditional mean (kriging). A material that repeats R times a turn has its energy in every R-th harmonic; the
-covariance then reaches from turn to turn, and a value hidden here is read there, without R being told. Where most of
-the turn is hidden (beside the turntable's axis, on a dead pixel) the neighbours in the same slice speak.
+slices only, and the other slices say more than the neighbours do: they are of the same normal. So each marked value is
+the mean that the turn's model expects of it (`turn_model`). Where most of the turn is hidden (beside the turntable's
+axis, on a dead pixel) the neighbours in the same slice speak.
 """
 
 import cv2
@@ -14,21 +12,17 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from scipy.spatial import cKDTree
 
+from processing.amc.flaws.turn_model import MOST_HIDDEN, TurnModel, fill_texels, learn
 from processing.amc.geometry import texel_plane
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-_PASSES = 3  # the second knows the spectrum at the measured angles
-_SAMPLED_TEXELS = 4096
-_BATCH_VALUES = 2**22
-# What neighbours are worth, as a share of a texel's variance over the turn; it grows with the square of the distance.
-_NEIGHBOURS_VARIANCE, _NEIGHBOURS_REACH_PX = 0.1, 2.0
-_CERTAIN = 0.03  # more so than any neighbour makes it
-_MOST_HIDDEN = 0.75
+_LEAST_MISFIT = 0.1
 _NEIGHBOURS = 48
-_LEAST_NOISE = 1e-5
+_LAG_PX = 2
+_LEAST_SHARE = 0.5  # of a value that neighbours say; below, they are not asked
 
 
 def fill(slices: F32, marked: Mask, angles_rad: F64, valid: Mask) -> F32:
@@ -47,14 +41,12 @@ def fill(slices: F32, marked: Mask, angles_rad: F64, valid: Mask) -> F32:
     """
     filled = slices.copy()
     hidden = marked & valid
-    if not hidden.any():
-        return filled
-    depths = _depths(hidden | ~valid)
-    energies = _energies_of_the_seen(slices, hidden, angles_rad, valid)
-    for _ in range(_PASSES):
-        variances = _fill_over_turn(filled, hidden, *_precision(energies, angles_rad))
-        _fill_over_sphere(filled, variances, depths, valid)
-        energies = _energies(filled, angles_rad, valid)
+    if hidden.any() and not hidden[:, valid].all():
+        model = learn(slices, hidden, angles_rad, valid)
+        variances = _fill_over_turn(filled, hidden, model)
+        neighbours = _roughness(slices, hidden, model, valid)
+        neighbours *= (_depths(hidden | ~valid) / _LAG_PX) ** 2
+        _fill_over_sphere(filled, variances, neighbours, valid)
     return filled
 
 
@@ -66,115 +58,51 @@ def _depths(unknown: Mask) -> F32:
     return depths
 
 
-def _energies_of_the_seen(slices: F32, hidden: Mask, angles_rad: F64, valid: Mask) -> F64:
-    """Measure the same from pairs of values that are both seen, with the angles rounded to even ones; (M + 1,).
-
-    The mean product of two values a lag apart is the covariance at that lag, and its cosine transform the energies.
-    """
-    count = len(slices)
-    texels = np.flatnonzero(valid)
-    chosen = texels[:: -(-len(texels) // _SAMPLED_TEXELS)]
-    seen = ~hidden.reshape(count, -1)[:, chosen, None]
-    light = slices.reshape(count, -1, 3)[:, chosen] * seen
-    slots = np.rint(angles_rad / (2 * np.pi) * count).astype(int) % count
-    sums, pairs = np.zeros(light.shape, np.float32), np.zeros(seen.shape, np.float32)
-    np.add.at(sums, slots, light)
-    np.add.at(pairs, slots, seen)
-    products, numbers = (
-        np.fft.irfft(np.mean(np.abs(np.fft.rfft(part, axis=0)) ** 2, axis=(1, 2)), count) for part in (sums, pairs)
-    )
-    energies: F64 = np.fft.rfft(products / np.maximum(numbers, 1e-3)).real[: (count - 1) // 2 + 1] / count
-    energies[1:] *= 2
-    # The ratio of two estimates may fall below zero; by how much, tells how good it is.
-    return np.asarray(np.maximum(energies, np.quantile(np.abs(energies[1:]), 0.5)))
-
-
-def _energies(slices: F32, angles_rad: F64, valid: Mask) -> F64:
-    """Measure the mean variance that each harmonic over the turn brings to a texel, (M + 1,)."""
-    texels = np.flatnonzero(valid)
-    chosen = texels[:: -(-len(texels) // _SAMPLED_TEXELS)]
-    light = slices.reshape(len(slices), -1, 3)[:, chosen].reshape(len(slices), -1)
-    highest = (len(slices) - 1) // 2
-    orders = np.arange(1, highest + 1) * angles_rad[:, None]
-    design = np.hstack([np.ones((len(slices), 1)), np.cos(orders), np.sin(orders)])
-    # A breath of ridge: uneven angles can leave the highest harmonics nearly untold.
-    solver = np.linalg.solve(design.T @ design + 1e-3 * len(slices) * np.eye(design.shape[1]), design.T)
-    squares = np.mean((solver.astype(np.float32) @ light).astype(np.float64) ** 2, axis=1)
-    energies: F64 = squares[: highest + 1].copy()
-    energies[1:] = (energies[1:] + squares[highest + 1 :]) / 2
-    return energies
-
-
-def _precision(energies: F64, angles_rad: F64) -> tuple[F64, float]:
-    """Give inverse covariance (N, N) of a texel's values, and their noise's variance, in units of that over the turn.
-
-    The quietest quarter of the harmonics tells the noise, which all of them carry alike.
-    """
-    share = float(np.quantile(energies[1:], 0.25))
-    signal = np.maximum(energies - share, 0)
-    variance = max(float(signal[1:].sum()), 1e-12)
-    noise = share * len(angles_rad) / 2 + _LEAST_NOISE * variance
-    lags = angles_rad[:, None] - angles_rad
-    covariance = signal[0] + sum(
-        energy * np.cos(order * lags) for order, energy in enumerate(signal[1:], 1) if energy > 0
-    )
-    return variance * np.linalg.inv(covariance + noise * np.eye(len(lags))), noise / variance
-
-
-def _fill_over_turn(filled: F32, hidden: Mask, precision: F64, noise: float) -> F32:
-    """Fill in place from the other slices; return the variance beyond the noise, (N, S, S), in those of the turn.
-
-    With Q the inverse covariance, hidden values h given the seen ones o have mean −Q_hh⁻¹ Q_ho x_o and variance Q_hh⁻¹.
-    """
+def _fill_over_turn(filled: F32, hidden: Mask, model: TurnModel) -> F32:
+    """Fill in place from the other slices; return the variance beyond the noise, (N, S, S), in light squared."""
     count = len(filled)
     light, marks = filled.reshape(count, -1, 3), hidden.reshape(count, -1)
+    texels = np.flatnonzero(marks.any(axis=0))
+    ring = model.ring.ravel()[texels]
+    some, places = np.ascontiguousarray(light[:, texels].swapaxes(0, 1)), np.ascontiguousarray(marks[:, texels].T)
+    variances = fill_texels(some, places, model.precisions, ring, int(MOST_HIDDEN * count))
+    light[:, texels] = some.swapaxes(0, 1)
+    # Where the model fits badly (a sharp highlight), its estimates are as much worse than it thinks.
+    variances *= np.maximum(model.misfit(some, places, ring), _LEAST_MISFIT)[:, None]
     beyond = np.zeros(marks.shape, np.float32)
-    hidden_counts = marks.sum(axis=0)
-    lost = hidden_counts > _MOST_HIDDEN * count
-    beyond[:, lost] = np.where(marks[:, lost], np.float32(np.inf), 0)
-    some = np.flatnonzero((hidden_counts > 0) & ~lost)
-    some = some[np.argsort(hidden_counts[some], kind="stable")]
-    start = 0
-    while start < len(some):
-        deepest = hidden_counts[some[min(start + 512, len(some)) - 1]]
-        texels = some[start : start + max(1, min(512, _BATCH_VALUES // int(deepest) ** 2))]
-        values, variances = _conditional(light[:, texels], marks[:, texels], precision)
-        places, members = np.nonzero(marks[:, texels])
-        light[places, texels[members]] = values[places, members]
-        beyond[places, texels[members]] = variances[places, members] - max(noise, 2 * noise - _NEIGHBOURS_VARIANCE)
-        start += len(texels)
+    beyond[:, texels] = np.where(places, np.maximum(variances - model.noises[ring, None], 0), 0).T
     return beyond.reshape(hidden.shape)
 
 
-def _conditional(light: F32, marks: Mask, precision: F64) -> tuple[F64, F64]:
-    """Give mean (N, T, 3) and variance (N, T) of the marked values given the others; zero elsewhere."""
-    count, texels = marks.shape
-    known = np.where(marks[..., None], 0, light).astype(np.float64)
-    pull = (precision @ known.reshape(count, -1)).reshape(count, texels, 3)
-    deepest = int(marks.sum(axis=0).max())
-    # Each texel's marked slices first, in order; the rest of a row pads with independent ones.
-    first = np.argsort(~marks, axis=0, kind="stable")[:deepest].T
-    real = np.take_along_axis(marks.T, first, axis=1)
-    matrices = precision[first[:, :, None], first[:, None, :]] * (real[:, :, None] & real[:, None, :])
-    matrices[:, np.arange(deepest), np.arange(deepest)] += ~real
-    members = np.arange(texels)[:, None]
-    inverse = np.linalg.inv(matrices)
-    values = -inverse @ (pull[first, members] * real[..., None])
-    mean, variance = np.zeros((count, texels, 3)), np.zeros((count, texels))
-    mean[first, members] = values
-    variance[first, members] = np.diagonal(inverse, axis1=1, axis2=2) * real
-    return mean, variance
+def _roughness(slices: F32, hidden: Mask, model: TurnModel, valid: Mask) -> F32:
+    """Give by how much (mean square, beyond the noise) values around differ from their neighbours; (N, S, S)."""
+    size, lag = len(valid), _LAG_PX
+    inner = slice(lag, size - lag)
+    sides = [(slice(0, size - 2 * lag), inner), (slice(2 * lag, size), inner)]
+    sides += [(columns, rows) for rows, columns in sides]
+    noises = model.noises[model.ring].astype(np.float32)
+    window = 2 * (size // 16) + 5
+    rough = np.zeros(hidden.shape, np.float32)
+    for out, slice_, holes in zip(rough, slices, hidden, strict=True):
+        known = valid & ~holes
+        squares, asked = np.zeros((2, size, size), np.float32)
+        asked[inner, inner] = known[inner, inner] & np.logical_and.reduce([known[side] for side in sides])
+        off = slice_[inner, inner] - sum(slice_[side] for side in sides) / 4
+        squares[inner, inner] = np.mean(off**2, axis=-1)
+        near = cv2.boxFilter(squares * asked, -1, (window, window), borderType=cv2.BORDER_CONSTANT)
+        counts = cv2.boxFilter(asked, -1, (window, window), borderType=cv2.BORDER_CONSTANT)
+        out[:] = np.where(counts > 0, near / np.maximum(counts, 1e-6), (squares * asked).sum() / max(asked.sum(), 1))
+    return np.maximum(rough - np.float32(1.25) * noises, noises / 8)
 
 
-def _fill_over_sphere(filled: F32, variances: F32, depths: F32, valid: Mask) -> None:
-    """Mix in place with what neighbours on the sphere say, by inverse variances, slice by slice."""
+def _fill_over_sphere(filled: F32, variances: F32, neighbours: F32, valid: Mask) -> None:
+    """Mix in place with what neighbours on the sphere say, by inverse variances (N, S, S), slice by slice."""
     n_x, n_y = texel_plane(len(valid))
     normals = np.stack([n_x, n_y, np.sqrt(np.maximum(1 - n_x**2 - n_y**2, 0))], axis=-1)
-    for slice_, variance, depth in zip(filled, variances, depths, strict=True):
-        holes = variance > _CERTAIN
+    for slice_, variance, theirs in zip(filled, variances, neighbours, strict=True):
+        holes = (variance > 0) & (theirs * _LEAST_SHARE < variance * (1 - _LEAST_SHARE))
         if holes.any() and not np.array_equal(holes, valid):
-            neighbours = _NEIGHBOURS_VARIANCE * (1 + (depth[holes] / _NEIGHBOURS_REACH_PX) ** 2)
-            share = 1 / (1 + neighbours / variance[holes])[:, None]
+            share = 1 / (1 + theirs[holes] / variance[holes])[:, None]
             slice_[holes] += share * (_fit_around(slice_, holes, valid & ~holes, normals) - slice_[holes])
 
 

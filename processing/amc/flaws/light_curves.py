@@ -20,7 +20,8 @@ Mask = NDArray[np.bool_]
 MOST_HARMONICS = 8
 LEVELS = 3  # maps of harmonic 0: lightness, and two differences of channels
 _DARK_SHARE = 0.1
-_CELLS, _CELL_SHARE, _FEWEST_IN_CELL = 6, 0.31, 30
+_FINEST_WINDOW = 2.5
+_CELLS, _CELL_SHARE, _FEWEST_IN_CELL, _MOST_IN_CELL = 6, 0.31, 30, 400
 _MEDIAN_GRID, _MEDIAN_SHARE, _RINGS = 64, 0.25, 12
 _FAR_ASTRAY, _PLAINLY_ASTRAY = 5.0, 0.1
 _LEVELS_LENIENCE = 1.5  # texture is in the levels, and even texture strays
@@ -42,21 +43,17 @@ def light_curves(slices: F32, turns_rad: F64, valid: Mask, still: Mask) -> F32:
         harmonics 1..M; natural logarithms, so that 0.01 is one per cent
     """
     highest = min(MOST_HARMONICS, len(slices) // 4)
-    curves = np.zeros((LEVELS + 2 * highest, *valid.shape), np.float32)
     dark = _DARK_SHARE * np.median(slices[:, valid][:: max(1, len(slices) // 32)], axis=(0, 1)) + 1e-6
-    orders = np.arange(1, highest + 1)
     replace = _nearest(valid & ~still)
-    for slice_, turn_rad in zip(slices, turns_rad, strict=True):
+    at_rest = np.zeros((len(slices), LEVELS, *valid.shape), np.float32)
+    for maps, slice_, turn_rad in zip(at_rest, slices, turns_rad, strict=True):
         logarithm = np.log(np.maximum(slice_[replace], 0) + dark).astype(np.float32)
-        at_rest = turn(logarithm, -float(turn_rad))
-        lightness = at_rest.mean(axis=-1)
-        curves[0] += lightness
-        curves[1] += at_rest[..., 0] - at_rest[..., 1]
-        curves[2] += at_rest[..., 2] - at_rest[..., 1]
-        waves = np.sqrt(2) * np.concatenate([np.cos(orders * turn_rad), np.sin(orders * turn_rad)])
-        curves[LEVELS:] += waves.astype(np.float32)[:, None, None] * lightness
-    curves /= len(slices)
-    return curves
+        red, green, blue = cv2.split(turn(logarithm, -float(turn_rad)))
+        maps[:] = (red + green + blue) / 3, red - green, blue - green
+    phases = np.arange(1, highest + 1)[:, None] * turns_rad
+    waves = (np.sqrt(2) * np.concatenate([np.cos(phases), np.sin(phases)]) / len(slices)).astype(np.float32)
+    lightness = at_rest[:, 0].reshape(len(slices), -1)
+    return np.concatenate([at_rest.mean(axis=0), (waves @ lightness).reshape(-1, *valid.shape)])
 
 
 def local_fit(curves: F32, weights: F32, sigma: float) -> F32:
@@ -77,16 +74,26 @@ def local_fit(curves: F32, weights: F32, sigma: float) -> F32:
     x, y = np.meshgrid(line, line)
     terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y])
     count = len(terms)
+    # Sums over so wide a window change little from texel to texel: they are taken on a grid that is as fine as needed.
+    grid = max(1, round(size / max(1.0, sigma / _FINEST_WINDOW)))
 
-    def blurred(maps: F32) -> F64:
-        blur = [cv2.GaussianBlur(one, (0, 0), sigma, borderType=cv2.BORDER_CONSTANT) for one in maps]
-        return np.stack(blur, axis=-1).astype(np.float64)
+    def windowed(maps: F32) -> F64:
+        coarse = [cv2.resize(one, (grid, grid), interpolation=cv2.INTER_AREA) for one in maps]
+        blur = (cv2.GaussianBlur(one, (0, 0), sigma * grid / size, borderType=cv2.BORDER_CONSTANT) for one in coarse)
+        return np.stack(list(blur), axis=-1).astype(np.float64)
 
-    moments = blurred((weights * terms[:, None] * terms).reshape(-1, size, size)).reshape(size, size, count, count)
-    sums = blurred((weights * terms[:, None] * curves).reshape(-1, size, size)).reshape(size, size, count, -1)
+    weighted = weights * terms
+    rows, columns = np.triu_indices(count)
+    moments = np.zeros((grid, grid, count, count))
+    moments[..., rows, columns] = windowed(weighted[rows] * terms[columns])
+    moments[..., columns, rows] = moments[..., rows, columns]
+    sums = windowed((weighted[:, None] * curves).reshape(-1, size, size)).reshape(grid, grid, count, -1)
     ridge = 1e-7 * np.trace(moments, axis1=-2, axis2=-1)[..., None, None] + 1e-12
-    coefficients = np.linalg.solve(moments + ridge * np.eye(count), sums)
-    predicted: F32 = np.einsum("ayx,yxak->kyx", terms, coefficients).astype(np.float32)
+    coefficients = np.linalg.solve(moments + ridge * np.eye(count), sums).astype(np.float32)
+    predicted = np.zeros_like(curves)
+    for term, theirs in zip(terms, np.moveaxis(coefficients, (2, 3), (0, 1)), strict=True):
+        for out, one in zip(predicted, theirs, strict=True):
+            out += term * cv2.resize(one, (size, size), interpolation=cv2.INTER_LINEAR)
     return predicted
 
 
@@ -110,10 +117,11 @@ def usual_stray(strays: F32, believed: Mask, floor: F32) -> F32:
     windows = [slice(max(0, int(c - half)), int(c + half) + 1) for c in (np.arange(_CELLS) + 0.5) * size / _CELLS]
     for row, rows in enumerate(windows):
         for column, columns in enumerate(windows):
-            inside = believed[rows, columns]
-            if inside.sum() >= _FEWEST_IN_CELL:
+            inside = np.flatnonzero(believed[rows, columns])
+            if len(inside) >= _FEWEST_IN_CELL:
                 asked[row, column] = True
-                usual[:, row, column] = 1.4826 * np.median(np.abs(strays[:, rows, columns][:, inside]), axis=1)
+                some = strays[:, rows, columns].reshape(len(strays), -1)[:, inside[:: -(-len(inside) // _MOST_IN_CELL)]]
+                usual[:, row, column] = 1.4826 * np.median(np.abs(some), axis=1)
     if asked.any():
         usual = usual[:, *_nearest(asked)]
     spread = np.stack([cv2.resize(one, (size, size), interpolation=cv2.INTER_LINEAR) for one in usual])

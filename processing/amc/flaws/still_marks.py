@@ -46,7 +46,8 @@ def find_still(slices: F32, valid: Mask) -> Mask:
     limit = np.maximum(np.maximum(_OVER_SLOPE * slopes, _OVER_SPREAD * np.maximum(usual, rough)), _LEAST_CONTRAST)
     # Beside a mark the rings are not to be trusted; its middle strays most.
     middles = np.abs(strays) == ndimage.maximum_filter(np.abs(strays), (5, 5, 1))
-    beyond = (np.abs(strays) > limit) & inner[..., None] & middles
+    # What is no more than a kink (light's edge, where a lamp sets) does not stand out from the outer ring.
+    beyond = (np.abs(strays) > limit) & (np.abs(levels) > limit) & inner[..., None] & middles
     still = np.zeros(valid.shape, bool)
     for row, column, channel in np.argwhere(beyond):
         if _stays(some, dark, (row, column, channel), float(strays[row, column, channel])):

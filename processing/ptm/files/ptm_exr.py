@@ -21,7 +21,7 @@ from processing.exr_parts import check_budget, check_part, listed, read_heads, r
 from processing.ptm.basis import TERMS, Basis, Kind
 from processing.ptm.files.coder import checked, worked_out
 from processing.ptm.model import Colour, Material, Ptm, Space
-from processing.spool import spooled
+from processing.room import make_room
 
 F32 = NDArray[np.float32]
 
@@ -92,24 +92,23 @@ def write_ptm_exr(path: Path, material: Material, report: Report = silent) -> No
     """
     height, width = material.shape
     channels = 1 if material.kind == "lrgb" else 3
-    with (
-        spooled(path, (material.basis.terms, height, width, channels), np.float32) as coefficients,
-        spooled(path, (height, width, 3), np.float32) as colour,
-    ):
-        for rows, strip in worked_out(material, lambda rows: checked(path, material.strip(rows))):
-            coefficients[:, rows] = strip.coefficients
-            if strip.colour is not None:
-                colour[rows] = strip.colour
-            report(Progress("fitting", rows.stop, material.shape[0]))
-        arrays = {f"term.{name}": term for name, term in zip(material.basis.names, coefficients, strict=True)}
-        header = _header(material)
-        write_parts(
-            path,
-            [
-                OpenEXR.Part({**header, "name": name}, _channels(colour if name == "colour" else arrays[name]))
-                for name in part_names(material.basis, material.kind)
-            ],
-        )
+    coefficients = make_room((material.basis.terms, height, width, channels), folder=path.absolute().parent)
+    colour = make_room((height, width, 3), folder=path.absolute().parent)
+    for rows, strip in worked_out(material, lambda rows: checked(path, material.strip(rows))):
+        coefficients.array[:, rows] = strip.coefficients
+        if strip.colour is not None:
+            colour.array[rows] = strip.colour
+        coefficients.release()
+        report(Progress("fitting", rows.stop, height))
+    arrays = {f"term.{name}": term for name, term in zip(material.basis.names, coefficients.array, strict=True)}
+    header = _header(material)
+    write_parts(
+        path,
+        [
+            OpenEXR.Part({**header, "name": name}, _channels(colour.array if name == "colour" else arrays[name]))
+            for name in part_names(material.basis, material.kind)
+        ],
+    )
 
 
 def read_ptm_exr(path: Path) -> Ptm:

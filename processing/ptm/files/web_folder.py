@@ -27,7 +27,7 @@ from processing.ptm.files.plane_jpeg import check_side, decode_planes, encode_pl
 from processing.ptm.files.quantise import ScaleBias
 from processing.ptm.files.remarks import check_space
 from processing.ptm.model import Colour, Material, Ptm, Space
-from processing.spool import spooled
+from processing.room import make_room
 
 F32 = NDArray[np.float32]
 
@@ -169,15 +169,17 @@ def _write_planes(path: Path, folder: Path, material: Material, coder: Coder, qu
     height, width = material.shape
     order = list(order_of(material.basis))
     colours, channels = (0, 3) if coder.balance is None else (3, 1)
-    with spooled(folder, (colours + channels * len(order), height, width), np.uint8) as planes:
-        for rows, codes in worked_out(material, lambda rows: coder.encode(checked(path, material.strip(rows)))):
-            report(Progress("fitting", rows.stop, height))
-            if codes.colour is not None:
-                planes[:3, rows] = codes.colour.transpose(2, 0, 1)
-            terms = codes.coefficients[order].transpose(0, 3, 1, 2)
-            planes[colours:, rows] = terms.reshape(-1, *terms.shape[2:])
-        for number, first in enumerate(range(0, len(planes), 3)):
-            (folder / f"plane_{number}.jpg").write_bytes(encode_planes(planes[first : first + 3], quality))
+    room = make_room((colours + channels * len(order), height, width), np.uint8, folder=folder)
+    for rows, codes in worked_out(material, lambda rows: coder.encode(checked(path, material.strip(rows)))):
+        if codes.colour is not None:
+            room.array[:3, rows] = codes.colour.transpose(2, 0, 1)
+        terms = codes.coefficients[order].transpose(0, 3, 1, 2)
+        room.array[colours:, rows] = terms.reshape(-1, *terms.shape[2:])
+        room.release()
+        report(Progress("fitting", rows.stop, height))
+    for number, first in enumerate(range(0, len(room.array), 3)):
+        (folder / f"plane_{number}.jpg").write_bytes(encode_planes(room.array[first : first + 3], quality))
+        room.release()
 
 
 def _info(material: Material, coder: Coder, quality: int) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from processing.ptm.model import Ptm
-from processing.ptm.relight import relight
+from processing.ptm.relighting.relight import relight
 
 F32 = NDArray[np.float32]
 

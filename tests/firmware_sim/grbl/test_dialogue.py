@@ -6,51 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_sim.grbl.controller import GrblController
-from firmware_sim.grbl.settings import light_arm_settings
-from tests.firmware_sim.timing import HandClock
-
-BANNER = "\r\nGrbl 1.1h ['$' for help]\r\n"
-UNLOCK = "[MSG:'$H'|'$X' to unlock]\r\n"
-TRUE_START = (-100.0, -30.0, -5.0)
-
-
-class Host:
-    """Types to the controller; `homed` also powers up and homes."""
-
-    def __init__(self, true_start: tuple[float, float, float] = TRUE_START) -> None:
-        self.clock = HandClock()
-        self.arm = GrblController(self.clock, light_arm_settings((360, 90, 10)), true_start)
-
-    @classmethod
-    def homed(cls) -> "Host":
-        host = cls()
-        host.hear()
-        host.type("$H\n")
-        host.wait(60)
-        return host
-
-    def type(self, text: str | bytes) -> str:
-        return self.arm.feed(text.encode("latin-1") if isinstance(text, str) else text).decode()
-
-    def hear(self) -> str:
-        return self.type("")
-
-    def wait(self, seconds: float) -> str:
-        self.clock.pass_s(seconds)
-        return self.hear()
-
-    def state(self) -> str:
-        return self.fields()[0]
-
-    def fields(self) -> list[str]:
-        return self.type("?").strip().strip("<>").split("|")
-
-    def place(self) -> tuple[float, ...]:
-        return tuple(float(value) for value in self.fields()[1].removeprefix("MPos:").split(","))
-
-    def true_place(self) -> tuple[float, ...]:
-        return self.arm.position(self.clock.now_s)
+from tests.firmware_sim.grbl.host import BANNER, UNLOCK, Host
 
 
 def test_power_up_with_homing_locks() -> None:
@@ -155,9 +111,23 @@ TABLE_OF_LINES = [
     ("G90 G91\n", "error:21", "two modes of a group"),
     ("G0.5\n", "error:23", "half a command"),
     ("G2 X-1 I1\n", "error:20", "an arc"),
-    ("G10 L2 P1 X0\n", "error:20", "work offsets"),
+    ("G10 L2 P1 X0\n", "ok", "work offsets"),
+    ("G10 L2 P7 X0\n", "error:29", "a seventh work offset"),
+    ("G10 L2 X0\n", "error:28", "a work offset without its number"),
+    ("G10 L3 P1 X0\n", "error:20", "tool offsets"),
+    ("G10 L2 P1\n", "error:26", "a work offset without an axis"),
+    ("G92\n", "error:26", "a shift without an axis"),
     ("G38.2 Z-1 F10\n", "error:20", "probing"),
-    ("M8\n", "error:20", "coolant"),
+    ("G43.1 Z1\n", "error:20", "tool lengths"),
+    ("G93\n", "error:20", "inverse time"),
+    ("M8\n", "ok", "coolant"),
+    ("M6\n", "error:20", "tool change"),
+    ("M3 M5\n", "error:21", "two spindle commands"),
+    ("M2.5\n", "error:23", "half a program end"),
+    ("N-1\n", "error:4", "a negative line number"),
+    ("N20000000\n", "error:27", "a line number out of range"),
+    ("N10 T3 G17 G40 G49 G54 G61 G91.1\n", "ok", "words that change nothing"),
+    ("G0 A-1\n", "error:20", "an axis that it has not"),
     ("Q1\n", "error:20", "a letter that no command has"),
     ("G4\n", "error:28", "a dwell without its time"),
     ("G0 X-1 P1\n", "error:36", "a word that nothing uses"),
@@ -174,7 +144,11 @@ TABLE_OF_LINES = [
     ("$999=1\n", "error:3", "no such setting"),
     ("$110=x\n", "error:2", "a setting without a number"),
     ("$110=-1\n", "error:4", "a negative setting"),
-    ("$SLP\n", "error:20", "sleep is not simulated"),
+    ("$0=2\n", "error:6", "a step pulse too short"),
+    ("$HX\n", "error:3", "homing of one axis, which this build does not know"),
+    ("$RST=9\n", "error:3", "no such memory"),
+    ("$N2=G20\n", "error:3", "a third start-up line"),
+    ("$N0=G99\n", "error:20", "a start-up line that is wrong"),
 ]
 
 
@@ -214,6 +188,9 @@ def test_machine_coordinates_are_absolute_whatever_the_mode() -> None:
 def test_g28_goes_to_machine_zero_by_way_of_what_it_names() -> None:
     host = Host.homed()
     host.type("G28 X-50\n")
+    host.wait(30)
+    assert host.place() == (0, -1, -1), "only the axes that it names go there"
+    host.type("G28\n")
     host.wait(30)
     assert host.place() == (0, 0, 0)
 

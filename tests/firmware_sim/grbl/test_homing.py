@@ -42,7 +42,8 @@ def test_the_switches_are_approached_slowly_the_second_time() -> None:
 def test_switches_may_stand_at_the_other_end() -> None:
     settings = dict(SETTINGS) | {HOMING_DIRECTIONS: 1}
     assert switch_positions(settings) == (-360, 0, 0)
-    assert homed_position(settings) == (-359, -1, -1)
+    assert homed_position(settings, (0, 0, 0), [(2,), (0, 1)]) == (-359, -1, -1)
+    assert homed_position(settings, (-7, -8, -9), [(2,)]) == (-7, -8, -1), "axes that do not home keep their place"
     homing = plan_homing(0.0, (-100.0, -5.0, -5.0), settings, switch_positions(settings), "none")
     assert homing.pieces[-1].position == pytest.approx((-359, -1, -1))
 

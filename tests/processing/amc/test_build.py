@@ -76,6 +76,17 @@ def test_the_invariance_is_found(folders: Folders, kind: str, found: int | str, 
     assert len(result.amc.slices) == (1 if found == "isotropic" else SLICES / int(found))
 
 
+@pytest.mark.parametrize("distance_radii", [None, 4.0])
+@pytest.mark.parametrize("depth", [12, 60])
+def test_slices_that_do_not_fit_into_memory_give_the_same_table(
+    folders: Folders, distance_radii: float | None, depth: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    options = {"distance_radii": distance_radii, "invariance": 2, "depth": depth}
+    in_memory = build_there(folders.shoot("2", distance_radii), **options).slices
+    monkeypatch.setattr("processing.room.MOST_IN_MEMORY_BYTES", 0)
+    np.testing.assert_array_equal(build_there(folders.shoot("2", distance_radii), **options).slices, in_memory)
+
+
 def test_a_folded_table_keeps_the_material(folders: Folders) -> None:
     amc = build_there(folders.shoot("2"))
     assert amc.slices.shape == (SLICES // 2, SIZE, SIZE, 3)

@@ -27,6 +27,13 @@ def test_even_angles_carry_all_their_harmonics(count: int) -> None:
     assert check_angles(0.3 + 2 * np.pi * np.arange(count) / count, "x") == (count - 1) // 2
 
 
+@pytest.mark.parametrize("jitter", [0.01, 0.1, 0.2])
+def test_angles_that_a_turntable_missed_by_little_carry_all(jitter: float) -> None:
+    """Whether the quick bound tells so, as for the first, or only the eigenvalues do."""
+    missed = jitter * np.random.default_rng(3).uniform(-1, 1, 64)
+    assert check_angles(2 * np.pi * (np.arange(64) + missed) / 64, "x") == 31
+
+
 @given(st.integers(0, 2**32 - 1))
 def test_slices_at_uneven_angles_give_the_series_that_made_them(seed: int) -> None:
     angles = 2 * np.pi * (np.arange(16) + 0.7 * np.random.default_rng(seed).uniform(-0.5, 0.5, 16)) / 16

@@ -9,6 +9,7 @@ from processing.amc.probe import make_probe
 from processing.amc.shots import Slices
 from processing.amc.table import Series
 from processing.amc.tangent_turn import TangentTurn
+from processing.room import Room
 from tests.processing.amc.random_materials import Trial, make_trial
 
 RANDOM = np.random.default_rng(3)
@@ -101,7 +102,7 @@ def report_on_trial(trial: Trial) -> InvarianceReport:
     normal_z = np.sqrt(np.maximum(1 - n_x**2 - n_y**2, 0))
     turn = TangentTurn(normal_z, normal_z, np.arctan2(n_y, n_x))
     series = Series(trial.angles_rad, check_angles(trial.angles_rad, "trial"))
-    probe = make_probe(Slices(trial.slices, trial.valid, turn, 36.0), series)
+    probe = make_probe(Slices(Room(trial.slices), trial.valid, turn, 36.0), series)
     noise = float(np.sqrt(noise_variance(trial.slices, trial.valid)))
     return find_invariance(probe.harmonics(), probe.upright().harmonics(), noise=noise, regions=probe.regions)
 

@@ -44,6 +44,35 @@ def test_a_matcap_that_fills_its_picture_is_a_ball(tmp_path: Path) -> None:
     assert as_tuple(find_ball(photograph(scene, tmp_path))) == pytest.approx(scene.circle, abs=0.5)
 
 
+def dark_but_for(azimuths_deg: list[float], radius_px: float, size: int = 160) -> F32:
+    """A black ball in a square black picture that mirrors a few lamps at its rim, and one in its middle."""
+    y, x = np.mgrid[:size, :size] + 0.5 - size / 2
+    off, azimuth = np.hypot(x, y), np.arctan2(-y, x)
+    light = 0.4 * np.exp(-((x / 20) ** 2) - (y / 7) ** 2)
+    for angle in np.radians(azimuths_deg):
+        beside = np.angle(np.exp(1j * (azimuth - angle)))
+        light = light + 0.5 * (np.abs(beside) < 0.2) * (off > 0.86 * radius_px)
+    inside = np.clip(radius_px - off + 0.5, 0, 1)
+    return np.repeat((light * inside)[..., None], 3, axis=-1).astype(np.float32)
+
+
+def test_a_matcap_with_a_mostly_dark_rim_fills_its_picture() -> None:
+    assert as_tuple(find_ball(dark_but_for([20, 200, 310], 80))) == (80, 80, 80)
+
+
+@pytest.mark.parametrize(
+    ("azimuths_deg", "radius_px"),
+    [
+        pytest.param([20, 200, 310], 72, id="light that ends before the picture does"),
+        pytest.param([20, 90], 80, id="light at one side"),
+        pytest.param([20, 200, 310], 84, id="light beyond the circle"),
+    ],
+)
+def test_other_dark_pictures_are_not_taken_for_matcaps(azimuths_deg: list[float], radius_px: float) -> None:
+    with pytest.raises(InputError, match="no round outline"):
+        find_ball(dark_but_for(azimuths_deg, radius_px))
+
+
 def test_a_photograph_without_a_ball_is_refused() -> None:
     noise = np.random.default_rng(1).uniform(0.2, 0.25, (120, 160, 3)).astype(np.float32)
     with pytest.raises(InputError, match=r"shot.jpg: no round outline.*--circle X Y R"):

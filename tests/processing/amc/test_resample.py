@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from litrig.base.errors import InputError
 from litrig.base.table_normals import TableNormal
 from processing.amc.geometry import SphereView
 from processing.amc.outline.circle import Circle
@@ -30,6 +31,29 @@ def test_a_texel_is_the_mean_of_its_area() -> None:
     board = np.indices((200, 200)).sum(axis=0) % 2
     table = make_resampler(Circle(100, 100, 96), SphereView(), 24)(np.repeat(board[..., None], 3, 2).astype(np.float32))
     assert table[8:16, 8:16] == pytest.approx(0.5, abs=0.05)
+
+
+def test_a_sphere_that_moved_gives_the_same_slice() -> None:
+    still, moved = (61.3, 48.6, 40.2), (64.05, 46.85, 40.2)
+    resample = make_resampler(Circle(*still), SphereView(), 33)
+    shift = (moved[0] - still[0], moved[1] - still[1])
+    assert resample(picture_of_normals(moved, (100, 120)), shift) == pytest.approx(
+        resample(picture_of_normals(still, (100, 120))), abs=1e-5
+    )
+
+
+def test_a_picture_goes_on_beyond_its_border_as_it_ends_there() -> None:
+    """A ball that its photograph cuts by part of a pixel is resampled all the same."""
+    ramp = np.broadcast_to(np.arange(20, dtype=np.float32)[:, None, None], (20, 20, 3))
+    resample = make_resampler(Circle(10, 10, 14), SphereView(), 40)
+    column = resample(ramp)[:, 20, 0]
+    assert column[resample.valid[:, 20]][:2] == pytest.approx(0)
+    assert column[resample.valid[:, 20]][-2:] == pytest.approx(19)
+
+
+def test_a_picture_of_a_single_row_is_refused() -> None:
+    with pytest.raises(InputError, match="9 × 1 pixels"):
+        make_resampler(Circle(10, 10, 8), SphereView(), 8)(np.zeros((1, 9, 3), np.float32))
 
 
 def test_what_lies_outside_the_sphere_does_not_get_in() -> None:

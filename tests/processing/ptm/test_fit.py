@@ -6,13 +6,17 @@ import pytest
 from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
+from litrig.base.pictures import write_picture
 from litrig.base.progress import Progress
+from litrig.base.radiometry import encode_srgb
+from processing.ptm.basis import PTM, Basis
 from processing.ptm.colour_split import split_colour
 from processing.ptm.fit import fit
 from processing.ptm.model import Colour, Space
 from processing.ptm.quality import fit_quality
-from processing.ptm.relight import relight
+from processing.ptm.relighting.relight import relight
 from processing.stack import Stack
+from tests.base.test_pictures import write_dng
 from tests.processing.ptm.relief import dome, relief_pictures, write_relief
 
 LIGHTS = dome(24)
@@ -141,3 +145,41 @@ def test_residuals_are_the_error_of_each_pixel(relief: Stack) -> None:
     quality = fit_quality(fit(relief, LIGHTS), relief, LIGHTS)
     assert quality.residuals.shape == relief.shape
     assert -20 * np.log10(np.sqrt(np.mean(quality.residuals**2))) == pytest.approx(quality.psnr_db, abs=1e-3)
+
+
+@pytest.mark.parametrize("ending", ["png", "exr", "dng"])
+def test_pictures_of_every_kind_give_the_same_light(ending: str, tmp_path: Path) -> None:
+    """A grey board in 16 bits, floats and camera RAW, brighter under each light that is higher up."""
+    paths = [tmp_path / f"{index:02d}.{ending}" for index in range(len(LIGHTS))]
+    for path, (_, _, z) in zip(paths, LIGHTS, strict=True):
+        light = np.full((64, 64, 3), 0.5 * z, np.float32)
+        if ending == "png":
+            cv2.imwrite(str(path), np.rint(encode_srgb(light) * 65535).astype(np.uint16))
+        elif ending == "exr":
+            write_picture(path, light)
+        else:
+            write_dng(path, np.rint(512 + light[..., 0] * (65535 - 512)).astype(np.uint16))
+    ptm = fit(Stack(paths), LIGHTS, basis=Basis("hsh", 4), colour="rgb", space="linear")
+    lit = relight(ptm, np.array([0.3, 0.4, np.sqrt(0.75)]))[20:40, 20:40]
+    assert lit == pytest.approx(0.5 * np.sqrt(0.75), rel=0.02)
+
+
+@pytest.mark.parametrize("basis", [PTM, Basis("ptm", 3), Basis("hsh", 4), Basis("hsh", 9), Basis("hsh", 16)], ids=str)
+def test_more_terms_fit_better_and_each_is_the_least_squares(basis: Basis, relief: Stack) -> None:
+    ptm = fit(relief, LIGHTS, basis=basis, colour="rgb")
+    pictures = (np.rint(relief_pictures(LIGHTS) * 255) / 255).reshape(len(LIGHTS), -1)
+    expected = np.linalg.lstsq(basis.evaluate(LIGHTS), pictures, rcond=None)[0]
+    assert ptm.basis == basis
+    assert ptm.coefficients.reshape(basis.terms, -1) == pytest.approx(expected, abs=2e-3)
+    quality = fit_quality(ptm, relief, LIGHTS).psnr_db
+    least = {3: 15, 4: 20, 6: 21, 9: 23, 16: 27}[basis.terms]
+    assert quality > least
+
+
+def test_lights_that_differ_in_elevation_alone_need_a_basis_that_they_can_carry(relief: Stack) -> None:
+    """An arc through the zenith tells nothing about the direction across."""
+    arc = np.array([[np.sin(a), 0.0, np.cos(a)] for a in np.linspace(-1.2, 1.2, len(LIGHTS))])
+    with pytest.raises(InputError, match="in one line"):
+        fit(relief, arc)
+    held = fit(relief, arc, ridge=0.01)
+    assert np.isfinite(held.coefficients).all()

@@ -9,7 +9,7 @@ from litrig.base.errors import InputError
 from litrig.base.pictures import read_linear
 from litrig.base.radiometry import encode_srgb
 from processing.ptm.basis import Basis
-from processing.ptm.fit import FitSettings, fit, gathered, open_fit
+from processing.ptm.fit import FitSettings, fit, gathered, start_fit
 from processing.ptm.model import Space
 from processing.ptm.near_lights import NearLights, brighten
 from processing.stack import Stack
@@ -97,8 +97,7 @@ def test_unequal_lamps_are_made_equal(tmp_path: Path) -> None:
         light = read_linear(path) * lamp
         cv2.imwrite(str(path), np.rint(encode_srgb(light) * 65535).astype(np.uint16))
     settings = FitSettings(FIRST, "rgb", "linear", light_gains=np.repeat(1 / lamps[:, None], 3, axis=1))
-    with open_fit(stack, dome(16, 30), settings) as fitted:
-        equal = gathered(fitted)
+    equal = gathered(start_fit(stack, dome(16, 30), settings))
     left = fit(stack, dome(16, 30), basis=FIRST, colour="rgb", space="linear")
     assert np.ptp(equal.coefficients, axis=(1, 2)).max() < 1e-3
     assert np.ptp(left.coefficients, axis=(1, 2)).max() < 1e-3

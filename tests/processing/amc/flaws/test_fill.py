@@ -61,7 +61,7 @@ def test_the_cuts_cover_eight_per_cent() -> None:
 @pytest.mark.parametrize("content", [BLACK, FOLDED])
 @pytest.mark.parametrize("repeats", [1, 2])
 @pytest.mark.parametrize("count", [32, 64])
-def test_three_cuts_cost_about_a_decibel(count: int, repeats: int, content: str) -> None:
+def test_three_cuts_cost_less_than_a_decibel(count: int, repeats: int, content: str) -> None:
     """Every texel that a cut touches is marked, a sixth of all values: 0.75 dB are lost for want of shots alone."""
     material, angles_rad = Material(2), uneven(count)
     whole = shot(material, angles_rad)
@@ -72,7 +72,7 @@ def test_three_cuts_cost_about_a_decibel(count: int, repeats: int, content: str)
         psnr_db(table(one, angles_rad, repeats), truth) for one in (whole, cut, fill(cut, marked, angles_rad, VALID))
     )
     assert hurt < before - 10
-    assert mended > before - (1.0 if (count, repeats) != (32, 2) else 1.25)
+    assert mended > before - 1
 
 
 @pytest.mark.parametrize("repeats", [0, 1, 3, 4])

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from litrig.base.camera_model import CameraModel
 from litrig.base.capture_folder.capture import Capture
 from litrig.base.capture_folder.reader import read_capture
 from litrig.base.errors import InputError
@@ -85,14 +86,16 @@ def test_three_marked_cuts_cost_less_than_a_decibel(whole: Capture, cut: Capture
     assert 0.08 < mended.flaws.filled < 0.16
 
 
-def test_cuts_are_found_and_filled_without_a_mask(cut: Capture) -> None:
-    """A table as small as this one marks them twice as wide as they are."""
-    settings = replace(SETTINGS, invariance=1)
+@pytest.mark.parametrize("invariance", [1, 2])
+def test_three_cuts_that_nobody_marked_cost_less_than_a_decibel(
+    whole: Capture, cut: Capture, invariance: Invariance
+) -> None:
+    settings = replace(SETTINGS, invariance=invariance)
     found = build(cut, replace(settings, defects="find"))
-    assert psnr_db(found) > psnr_db(build(cut, settings)) + 12
-    marked = build(cut, settings, mask=three_cuts(0.0)).flaws.turning
-    assert np.mean(found.flaws.turning[marked]) > 0.97
-    assert np.isfinite(found.flaws.weakest)
+    assert psnr_db(found) > psnr_db(build(whole, settings)) - 1
+    by_hand = build(cut, settings, mask=three_cuts(0.0)).flaws
+    assert np.mean(found.flaws.turning[by_hand.turning]) > 0.9
+    assert found.flaws.filled < 1.2 * by_hand.filled
 
 
 def test_a_mask_belongs_to_the_picture_that_was_shot_first(cut: Capture) -> None:
@@ -108,6 +111,21 @@ def test_a_whole_sphere_is_left_alone(whole: Capture) -> None:
     result = build(whole, replace(SETTINGS, defects="find"))
     assert result.flaws.filled == 0
     assert np.array_equal(result.amc.slices, build(whole, SETTINGS).amc.slices)
+
+
+def test_a_mask_is_painted_over_the_picture_as_the_camera_took_it(whole: Capture) -> None:
+    """Taking out the lens's distortion moves the sphere's middle by (-3.4, -3.3) pixels here, and the mask with it."""
+    straight = CameraModel(
+        width=SHAPE[1], height=SHAPE[0], focal_x_px=600, focal_y_px=600, centre_x_px=0, centre_y_px=0
+    )
+    bent = straight.model_copy(update={"distortion": (1.5, 0.0, 0.0, 0.0, 0.0)})
+    spot = np.zeros(SHAPE, bool)
+    spot[62:72, 82:92] = True
+    places = []
+    for camera, circle in ((straight, Circle(*CIRCLE)), (bent, Circle(75.9, 71.5, 58.5))):
+        result = build(whole, replace(SETTINGS, circle=circle, camera=camera), mask=spot)
+        places.append(np.argwhere(result.flaws.turning).mean(axis=0))
+    assert places[1] == pytest.approx(places[0], abs=0.7)
 
 
 def test_a_mask_of_another_size_is_refused(cut: Capture) -> None:

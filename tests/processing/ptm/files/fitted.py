@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from processing.ptm.basis import Basis
 from processing.ptm.model import Colour, Ptm, Space
-from processing.ptm.relight import relight
+from processing.ptm.relighting.relight import relight
 from tests.processing.ptm.relief import dome, relief_pictures
 
 SIZE = 64

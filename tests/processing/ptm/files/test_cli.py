@@ -10,7 +10,7 @@ from litrig.base.pictures import read_codes
 from processing.ptm.basis import PTM, Basis
 from processing.ptm.cli import ptm
 from processing.ptm.files.either import read_any, write_any
-from processing.ptm.relight import relight
+from processing.ptm.relighting.relight import relight
 from tests.processing.ptm.files.fitted import small
 
 HSH4 = Basis("hsh", 4)

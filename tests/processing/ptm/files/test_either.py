@@ -17,7 +17,7 @@ from processing.ptm.basis import PTM, TERMS, Basis
 from processing.ptm.files.coder import coder_for
 from processing.ptm.files.either import describe, read_any, write_any
 from processing.ptm.model import Colour, Material, Ptm, Space, Strip
-from processing.ptm.relight import relight
+from processing.ptm.relighting.relight import relight
 from tests.processing.ptm.files.fitted import LIGHTS, black, fitted, psnr_db, small
 from tests.processing.ptm.files.jpeg_ptm import packed_ptm
 

@@ -9,7 +9,7 @@ from processing.ptm.files.ptm_file import read_ptm, write_ptm
 from processing.ptm.fit import fit
 from processing.ptm.model import Colour, Ptm, Space
 from processing.ptm.quality import fit_quality
-from processing.ptm.relight import relight
+from processing.ptm.relighting.relight import relight
 from processing.stack import Stack
 from tests.processing.ptm.files.plain_reader import plain_picture
 from tests.processing.ptm.relief import dome, write_relief

@@ -8,7 +8,7 @@ from litrig.base.errors import FormatError, InputError
 from processing.ptm.basis import PTM, Basis
 from processing.ptm.files.rti_file import describe_rti, read_rti, write_rti
 from processing.ptm.model import Colour, Ptm, Space
-from processing.ptm.relight import relight
+from processing.ptm.relighting.relight import relight
 from tests.processing.ptm.files.fitted import small
 from tests.processing.ptm.files.plain_rti import plain_picture
 

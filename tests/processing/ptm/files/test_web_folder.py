@@ -11,7 +11,7 @@ from litrig.base.errors import FormatError, InputError
 from processing.ptm.basis import PTM, Basis
 from processing.ptm.files.web_folder import describe_web_folder, read_web_folder, write_web_folder
 from processing.ptm.model import Colour, Ptm, Space
-from processing.ptm.relight import relight
+from processing.ptm.relighting.relight import relight
 from tests.processing.ptm.files.fitted import SIZE, fitted, small
 from tests.processing.ptm.files.plain_web_folder import plain_picture
 

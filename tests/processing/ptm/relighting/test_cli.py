@@ -14,13 +14,13 @@ from litrig.base.radiometry import decode_srgb, encode_srgb
 from processing.ptm.cli import ptm
 from processing.ptm.files.ptm_file import read_ptm, write_ptm
 from processing.ptm.model import Space
-from processing.ptm.relight import relight
 from processing.ptm.relighting.diffuse_gain import gain_diffuse
 from processing.ptm.relighting.environment import environment_lights
 from processing.ptm.relighting.highlight import Highlight, shade
 from processing.ptm.relighting.lights import lamps
 from processing.ptm.relighting.many_lights import relight_by_many
 from processing.ptm.relighting.normals import normals_of
+from processing.ptm.relighting.relight import relight
 from processing.ptm.relighting.unsharp import sharpen
 from tests.processing.ptm.relighting.materials import lambert, sphere_normals
 

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 from litrig.base.errors import InputError
 from processing.ptm.basis import PTM, Basis
 from processing.ptm.model import Ptm
-from processing.ptm.relight import relight
 from processing.ptm.relighting.brightest import brightest_light
 from processing.ptm.relighting.diffuse_gain import gain_diffuse
+from processing.ptm.relighting.relight import relight
 from tests.processing.ptm.relighting.materials import BASES, lambert, sphere_normals
 
 GAIN = 3.0

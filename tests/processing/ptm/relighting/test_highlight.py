@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from processing.ptm.relight import relight
 from processing.ptm.relighting.highlight import Highlight, shade
+from processing.ptm.relighting.relight import relight
 from tests.processing.ptm.relighting.materials import lambert, sphere_normals
 
 NORMALS = sphere_normals(65)

@@ -6,11 +6,11 @@ from litrig.base.progress import Progress
 from litrig.base.radiometry import decode_srgb, encode_srgb
 from processing.ptm.basis import PTM, Basis
 from processing.ptm.model import Colour, Ptm, Space
-from processing.ptm.relight import relight
 from processing.ptm.relighting.environment import environment_lights
 from processing.ptm.relighting.highlight import Highlight, shade
 from processing.ptm.relighting.lights import Lights, lamps
 from processing.ptm.relighting.many_lights import light_weights, relight_by_many
+from processing.ptm.relighting.relight import relight
 from tests.processing.ptm.relief import dome
 from tests.processing.ptm.relighting.materials import BASES, TINT, lambert, sphere_normals
 

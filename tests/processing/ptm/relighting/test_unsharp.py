@@ -4,7 +4,7 @@ from scipy.ndimage import gaussian_filter
 
 from processing.ptm.basis import PTM, Basis
 from processing.ptm.model import Colour, Ptm
-from processing.ptm.relight import relight
+from processing.ptm.relighting.relight import relight
 from processing.ptm.relighting.unsharp import sharpen
 from tests.processing.ptm.relighting.materials import lambert, sphere_normals
 

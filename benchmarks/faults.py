@@ -1,0 +1,81 @@
+"""Try every fault at full scale and write the page. Usage: python -m benchmarks.faults docs/faults.md [NUMBER …]
+
+A case is a function `fault_NN_name` in a module of tests/faults; the first line of its docstring says what goes wrong
+and what must come of it. Ends with status 1 if a goal is missed.
+"""
+
+import importlib
+import inspect
+import os
+import pkgutil
+import platform
+import re
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import cast
+
+import tests.faults
+from tests.faults.outcome import Outcome, Scale
+
+FULL = Scale(trials=10_000)
+Case = Callable[[Scale], Outcome]
+
+TEXT = """# Faults: what goes wrong, and what comes of it
+
+Made by `make faults`: mishaps on the wires, in the devices and on the host, tried against the simulated rig through
+the very drivers that real hardware uses. "Wrong" counts what must never be: a value, pose or picture accepted that was
+not so. `make test` runs each case on a small scale.
+
+Last run: Python {python}, {cores} cores, {machine}.
+
+| no. | fault | trials | wrong | what came out | goal |
+| --- | --- | --- | --- | --- | --- |
+{rows}
+"""
+
+
+def cases() -> Iterator[tuple[int, Case]]:
+    """Find the cases of all modules, by their numbers."""
+    found: list[tuple[int, str, Case]] = []
+    for module in pkgutil.iter_modules(tests.faults.__path__):
+        if module.name.startswith("test_"):
+            continue
+        for name, case in inspect.getmembers(importlib.import_module(f"tests.faults.{module.name}"), callable):
+            if number := re.fullmatch(r"fault_(\d+)_\w+", name):
+                found.append((int(number[1]), name, cast(Case, case)))
+    return ((number, case) for number, _, case in sorted(found, key=lambda each: each[:2]))
+
+
+def row(number: int, case: Case) -> tuple[str, bool]:
+    """Try a case, and describe it; one that breaks off has missed its goal."""
+    start_s = time.monotonic()
+    try:
+        outcome = case(FULL)
+    except Exception as error:  # the other faults are to be tried all the same
+        outcome = Outcome(0, 0, f"broke off: {type(error).__name__}: {error}", passed=False)
+    what = (inspect.getdoc(case) or "").splitlines()[0]
+    goal = "met" if outcome.passed else "**missed**"
+    sys.stderr.write(f"{number}: {goal}, {time.monotonic() - start_s:.0f} s: {outcome.detail}\n")
+    return f"| {number} | {what} | {outcome.trials} | {outcome.wrong} | {outcome.detail} | {goal} |", outcome.passed
+
+
+def main() -> int:
+    wanted = {int(word) for word in sys.argv[2:]}
+    done = [row(number, case) for number, case in cases() if not wanted or number in wanted]
+    page = TEXT.format(
+        python=platform.python_version(),
+        cores=os.cpu_count(),
+        machine=platform.machine(),
+        rows="\n".join(line for line, _ in done),
+    )
+    if wanted:
+        sys.stdout.write(page)
+    else:
+        Path(sys.argv[1]).write_text(page, encoding="utf-8")
+    return 0 if all(passed for _, passed in done) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
