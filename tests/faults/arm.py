@@ -175,7 +175,7 @@ def fault_22_arm_power_loss(campaign: Scale) -> Outcome:
         arm = bench.arm()
         arm.home()
         moving = trial % 2
-        cut_s = bench.clock.time_s + (0.1 + 0.02 * (trial % 30) if moving else 0.0)
+        cut_s = bench.clock.time_s + (0.1 + 0.02 * (trial % 25) if moving else 0.0)
         wrong += not _raises(PositionLostError, partial(_cut_and_look, bench, arm, cut_s))
         wrong += not _raises(DeviceError, partial(arm.move_to, 60, 40))
         arm.stop()
