@@ -75,7 +75,10 @@ def move(rig_toml: Path, angle_deg: float) -> None:
 @click.option("--elevation", "elevation_deg", type=float, required=True, help="Degrees above the picture's plane.")
 @click.option("--lamp", type=click.IntRange(0), default=0, show_default=True, help="Number of the lamp.")
 def light(rig_toml: Path, azimuth_deg: float, elevation_deg: float, lamp: int) -> None:
-    """Home the light arm, bring its lamp to a direction, and light it."""
+    """Home the light arm, bring its lamp to a direction, and light it.
+
+    A lamp on a GRBL output goes out by itself after timeout_s of [lights].
+    """
     with _opened(rig_toml, "arm", "lights") as opened:
         opened.arm.check(azimuth_deg, elevation_deg)
         opened.lights.check(lamp)
