@@ -137,10 +137,12 @@ def _go(step: Step, rig: Rig) -> None:
 
 
 def _locate(step: Step, rig: Rig) -> Poses:
-    return Poses(
-        None if step.angle_deg is None else rig.turntable.locate(),
-        None if step.aim is None else rig.locate_light(step.aim.lamp),
-    )
+    """Ask everything that the step moved where it is; a part that lost torque, was reset or has a fault raises."""
+    with rig.minding_position():
+        return Poses(
+            None if step.angle_deg is None else rig.turntable.locate(),
+            None if step.aim is None else rig.locate_light(step.aim.lamp),
+        )
 
 
 def _judge_poses(step: Step, rig: Rig, poses: tuple[Poses, Poses]) -> tuple[float, str]:

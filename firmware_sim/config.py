@@ -6,6 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from firmware_sim.dynamixel.config import Baud, TurntableFaults
 from firmware_sim.errors import SimConfigError
 from firmware_sim.grbl.config import GrblFaults, Settings, StepperSim
 from firmware_sim.grbl.dialect import DialectName
@@ -24,10 +25,14 @@ class TurntableSim(_Strict):
 
     id: int = Field(default=1, ge=0, le=252)
     """Its number on the bus."""
-    baud: Literal[9_600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000] = 57_600
+    baud: Baud = 57_600
     """The speed that it listens at; at any other it stays silent."""
     start_deg: float = Field(default=31.6, ge=-90_000, le=90_000)
     """Where it stands when the power comes on."""
+    others: tuple[Annotated[int, Field(ge=0, le=252)], ...] = ()
+    """Numbers of other servos on the same bus, which turn nothing that the camera sees."""
+    faults: TurntableFaults = TurntableFaults()
+    """What goes wrong with it."""
 
 
 class ArmSim(_Strict):

@@ -3,8 +3,10 @@
 from firmware_sim.clock import Clock
 from firmware_sim.config import SimConfig
 from firmware_sim.dynamixel.bus import DynamixelBus
+from firmware_sim.dynamixel.config import TurntableFaults
 from firmware_sim.dynamixel.control_table import BAUDS, Register
 from firmware_sim.dynamixel.servo import Servo
+from firmware_sim.dynamixel.table import Table
 from firmware_sim.grbl.bench import GrblBench
 from firmware_sim.scene.pose import LitLamp
 from firmware_sim.udmx.bus import UsbBus
@@ -17,8 +19,11 @@ class Devices:
     def __init__(self, config: SimConfig, clock: Clock) -> None:
         table = config.turntable
         self.servo = Servo(clock, table.id, table.start_deg)
-        self.servo.memory[Register.BAUD_RATE] = next(code for code, baud in BAUDS.items() if baud == table.baud)
-        self.bus = DynamixelBus(clock, [self.servo])
+        others = [Servo(clock, servo_id, 0.0) for servo_id in table.others]
+        self.bus = DynamixelBus(clock, [self.servo, *others])
+        self.table = Table(self.servo, clock)
+        self.listen_at(table.baud)
+        self._befall(table.faults)
         self.grbl = GrblBench(config, clock)
         self.arm = self.grbl.arm.controller
         self.usb = UsbBus(clock, config.dome)
@@ -28,7 +33,7 @@ class Devices:
         """Return turntable angle, azimuth and elevation in degrees, and lamp 0..1, at any time of the last seconds."""
         azimuth_deg, elevation_deg = self.grbl.directions_deg(time_s)
         stepper_deg = self.grbl.table_deg(time_s)
-        turntable_deg = self.servo.angle_deg(time_s) if stepper_deg is None else stepper_deg
+        turntable_deg = self.table.angle_deg(time_s) if stepper_deg is None else stepper_deg
         return turntable_deg, azimuth_deg, elevation_deg, self.arm.lamp.power_at(time_s)
 
     def turntable_is_moving(self) -> bool:
@@ -39,3 +44,26 @@ class Devices:
     def shining(self, time_s: float) -> tuple[LitLamp, ...]:
         """Return the dome's lamps that shine, at any time of the last seconds."""
         return () if self.dome is None else self.dome.lit(self.usb.lamps.controller.dimmers.slots_at(time_s))
+
+    def listen_at(self, baud: int) -> None:
+        """Let the servos listen at another speed than they did."""
+        for servo in self.bus.servos:
+            servo.memory[Register.BAUD_RATE] = next(code for code, speed in BAUDS.items() if speed == baud)
+
+    def _befall(self, faults: TurntableFaults) -> None:
+        """Let the mishaps be there from the start."""
+        servo, bus = self.servo, self.bus
+        bus.faults.spread(faults)
+        bus.faults.echo, bus.faults.clash, bus.groups = faults.echo, faults.id_clash, faults.groups
+        self.table.play_deg, self.table.slip_deg = faults.play_deg, faults.slip_deg
+        servo.stall_at_deg, servo.overload_after_s = faults.stall_at_deg, faults.overload_after_s
+        servo.overshoot_deg = faults.overshoot_deg
+        for register, value in (
+            (Register.MODEL_NUMBER, faults.model_number),
+            (Register.FIRMWARE_VERSION, faults.firmware),
+        ):
+            servo.memory[register] = servo.memory[register] if value is None else value
+        if faults.alert_bits:
+            servo.fail_hardware(faults.alert_bits)
+        if faults.listens_at is not None:
+            self.listen_at(faults.listens_at)

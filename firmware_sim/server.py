@@ -13,6 +13,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 
 from pydantic import validate_call
@@ -22,7 +23,7 @@ from firmware_sim.clock import Clock, monotonic_s
 from firmware_sim.config import SimConfig
 from firmware_sim.devices import Devices
 from firmware_sim.errors import SimServerError
-from firmware_sim.faults import arm_faults, camera_faults, turntable_faults
+from firmware_sim.faults import arm_faults, camera_faults, plug_faults, turntable_faults
 from firmware_sim.mitsuba.config import MitsubaScene
 from firmware_sim.render_queue import RenderQueue
 from firmware_sim.render_requests import render_requests
@@ -30,9 +31,10 @@ from firmware_sim.resting import last_elsewhere_s
 from firmware_sim.scene.pose import Pose
 from firmware_sim.scene.rendering import note_on, relevance_of, room_for
 from firmware_sim.side_channel import Answer, Handler, SideChannelServer
+from firmware_sim.timetable import Timetable
 from firmware_sim.udmx.faults import lights_faults
 from firmware_sim.udmx.usb_server import UsbServer
-from firmware_sim.wire import Wire
+from firmware_sim.wire import SerialDevice, Wire
 
 CONFIG_NAME, FRAMES_NAME, CHANNEL_NAME, USB_NAME, RIG_NAME, LOG_NAME = (
     "sim.json",
@@ -42,6 +44,8 @@ CONFIG_NAME, FRAMES_NAME, CHANNEL_NAME, USB_NAME, RIG_NAME, LOG_NAME = (
     "RIG.toml",
     "server.log",
 )
+LINKS_NAME = "by-id"
+"""Folder of links that lead to the serial ports, under whatever name these were plugged in."""
 LONGEST_WAIT_S = 0.05
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 
@@ -63,27 +67,28 @@ class Server:
         self._relevance = relevance_of(config.scene)
         self._running = True
         self._devices = Devices(config, clock)
-        self._wires = {"turntable": Wire(self._devices.bus, clock), "arm": Wire(self._devices.grbl.arm, clock)}
-        if self._devices.grbl.table is not None:
-            self._wires["stepper"] = Wire(self._devices.grbl.table, clock)
+        served: dict[str, SerialDevice | None] = {
+            "turntable": self._devices.bus,
+            "arm": self._devices.grbl.arm,
+            "stepper": self._devices.grbl.table,
+        }
+        links = folder / LINKS_NAME
+        self._wires = {name: Wire(device, clock, links / name) for name, device in served.items() if device is not None}
+        self._timetable = Timetable(clock)
         self._schedule()
         self._channel = SideChannelServer(folder / CHANNEL_NAME, self._handlers())
         self._usb = UsbServer(folder / USB_NAME, self._devices.usb)
 
     def _schedule(self) -> None:
-        """Note when a supply is to fail."""
-        grbl, config = self._devices.grbl, self._config
-        pairs = ((grbl.arm, config.arm.faults), (grbl.table, config.stepper.faults if config.stepper else None))
-        self._losses = [
-            (self._clock() + faults.power_loss_at_s, wire.controller, faults.power_loss_s)
-            for wire, faults in pairs
-            if wire is not None and faults is not None and faults.power_loss_at_s is not None
-        ]
-
-    def _lose_power_if_due(self) -> None:
-        for loss in [loss for loss in self._losses if loss[0] <= self._clock()]:
-            self._losses.remove(loss)
-            loss[1].lose_power(loss[2])
+        """Note when supplies fail and plugs are pulled, as SIM.toml has it."""
+        grbl, config, faults = self._devices.grbl, self._config, self._config.turntable.faults
+        self._timetable.add(faults.brown_out_at_s, self._devices.servo.brown_out)
+        self._timetable.add(faults.unplug_at_s, self._wires["turntable"].unplug)
+        self._timetable.add(faults.replug_at_s, self._wires["turntable"].replug)
+        stepper_faults = None if config.stepper is None else config.stepper.faults
+        for bench, mishaps in ((grbl.arm, config.arm.faults), (grbl.table, stepper_faults)):
+            if bench is not None and mishaps is not None:
+                self._timetable.add(mishaps.power_loss_at_s, partial(bench.controller.lose_power, mishaps.power_loss_s))
 
     @property
     def ports(self) -> dict[str, str]:
@@ -98,9 +103,10 @@ class Server:
         Without the renderer the devices go on; who asks for progress is told that it is lost.
         """
         while self._running:
-            self._lose_power_if_due()
+            self._timetable.keep()
             for wire in self._wires.values():
                 wire.service()
+            self._devices.table.advance()
             if studio.poll() is not None:
                 raise SimServerError(f"the camera's process ended by itself with status {studio.returncode}")
             if darkroom is not None and darkroom.poll() is not None:
@@ -125,17 +131,21 @@ class Server:
         self._usb.close()
         for wire in self._wires.values():
             wire.close()
+        with suppress(OSError):
+            (self._folder / LINKS_NAME).rmdir()
 
     def _wait(self) -> list[int | socket.socket]:
         due_s = [due for wire in self._wires.values() if (due := wire.due_s()) is not None]
         wait_s = min([LONGEST_WAIT_S, *(max(0.0, due - self._clock()) for due in due_s)])
-        sources = [sys.stdin.fileno(), *(wire.master for wire in self._wires.values())]
-        sources += [*self._channel.sockets(), *self._usb.sockets()]
+        sources = [sys.stdin.fileno(), *self._masters(), *self._channel.sockets(), *self._usb.sockets()]
         # Unlike epoll, select waits for fractions of a millisecond.
         with selectors.SelectSelector() as selector:
             for source in sources:
                 selector.register(source, selectors.EVENT_READ)
             return [key.fileobj for key, _ in selector.select(wait_s)]  # type: ignore[misc] # what we registered
+
+    def _masters(self) -> list[int]:
+        return [wire.master for wire in self._wires.values() if wire.master is not None]
 
     def _handlers(self) -> dict[str, Handler]:
         own: dict[str, Handler] = {"status": self._status, "shutdown": self._shutdown}
@@ -143,7 +153,8 @@ class Server:
         faults = [turntable_faults(self._devices), arm_faults(self._devices), camera_faults(self._shared)]
         faults.append(lights_faults(self._devices.usb, self._devices.dome))
         renders = render_requests(self._renders, self._config, lambda: Pose(*self._devices.pose(self._clock())))
-        for table in (*faults, renders):
+        plugs = (plug_faults(name, wire) for name, wire in self._wires.items())
+        for table in (*faults, *plugs, renders):
             own |= table
         return own
 

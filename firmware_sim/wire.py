@@ -5,6 +5,7 @@ import termios
 import tty
 from collections import deque
 from contextlib import suppress
+from pathlib import Path
 from typing import Protocol
 
 from firmware_sim.clock import Clock
@@ -30,23 +31,32 @@ class SerialDevice(Protocol):
 
 
 class Wire:
-    """One port. The slave's own handle stays open here, so that clients may come and go."""
+    """One port. The slave's own handle stays open here, so that clients may come and go.
 
-    def __init__(self, device: SerialDevice, clock: Clock) -> None:
+    Parameters
+    ----------
+    link : a path that always leads to the port, as udev's links by serial number do
+    """
+
+    def __init__(self, device: SerialDevice, clock: Clock, link: Path | None = None) -> None:
         self._device = device
         self._clock = clock
-        self.master, self._slave = os.openpty()
-        tty.setraw(self._slave)
-        os.set_blocking(self.master, False)
-        self.path = os.ttyname(self._slave)
+        self._link = link
         self._log: deque[tuple[float, str, str]] = deque(maxlen=LOG_LENGTH)
+        self._slave = -1
+        self.master: int | None = None
+        self.path = ""
+        self._plug_in()
 
     def due_s(self) -> float | None:
         return self._device.due_s()
 
     def service(self) -> None:
         """Carry what waits from the host to the device, and back."""
-        heard = self._read()
+        if self.master is None:
+            self._device.feed(b"")  # its time passes all the same, and what it says is lost
+            return
+        heard = self._read(self.master)
         if heard:
             self._note("in", heard)
         # At another speed the line carries only noise, which a device takes no notice of.
@@ -57,17 +67,48 @@ class Wire:
             with suppress(BlockingIOError):  # a client that does not read loses bytes, as on a real port
                 os.write(self.master, said)
 
+    def unplug(self) -> None:
+        """Let the port vanish under whoever has it open."""
+        if self.master is not None:
+            self._note("unplugged", b"")
+            os.close(self.master)
+            os.close(self._slave)
+            self.master = None
+            if self._link is not None:
+                self._link.unlink(missing_ok=True)
+
+    def replug(self) -> str:
+        """Plug it in again, and return its new name, which it did not have before."""
+        self.unplug()
+        self._plug_in()
+        return self.path
+
+    def _plug_in(self) -> None:
+        before = self.path
+        master, slave = os.openpty()
+        if os.ttyname(slave) == before:
+            spare = (master, slave)
+            master, slave = os.openpty()
+            for descriptor in spare:
+                os.close(descriptor)
+        tty.setraw(slave)
+        os.set_blocking(master, False)
+        self.master, self._slave, self.path = master, slave, os.ttyname(slave)
+        if self._link is not None:
+            self._link.parent.mkdir(exist_ok=True)
+            self._link.unlink(missing_ok=True)
+            self._link.symlink_to(self.path)
+
     def recent(self) -> list[tuple[float, str, str]]:
-        """Return the last transfers: CLOCK_MONOTONIC in seconds, "in" or "out", bytes in hexadecimal."""
+        """Return the last transfers: CLOCK_MONOTONIC in seconds, "in", "out" or "unplugged", bytes in hexadecimal."""
         return list(self._log)
 
     def close(self) -> None:
-        os.close(self.master)
-        os.close(self._slave)
+        self.unplug()
 
-    def _read(self) -> bytes:
+    def _read(self, master: int) -> bytes:
         with suppress(BlockingIOError):
-            return os.read(self.master, 4096)
+            return os.read(master, 4096)
         return b""
 
     def _client_baud(self) -> int | None:

@@ -3,6 +3,7 @@
 import errno
 import os
 import select
+import signal
 import sys
 from contextlib import suppress
 from pathlib import Path
@@ -87,6 +88,7 @@ def run() -> int:
             error.show()
         return error.exit_code
     except (KeyboardInterrupt, click.Abort):
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is stopped; impatience must not change the exit status
         return _fail("interrupted", INTERRUPTED_STATUS)
     except OSError as error:
         return _fail_on_system(error, output)

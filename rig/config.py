@@ -13,6 +13,7 @@ from litrig.base.config import StrictModel, read_toml
 from rig.drivers import ARMS, CAMERAS, LIGHTS, TURNTABLES
 from rig.sections import ArmSection, CameraSection, LightsSection, Port, Positive, TurntableSection
 
+SERVO_TICK_DEG = 360 / 4096
 Turns = Annotated[float, Field(ge=-90_000, le=90_000)]
 Matrix = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 
@@ -36,15 +37,16 @@ class TurntableConfig(TurntableSection):
     id: int = Field(default=1, ge=0, le=252)
     """The servo's id on the bus (1 as delivered)."""
     model: str = "XL430-W250"
-    """Model name; the servo's own model number is checked against it."""
+    """Model name as on the label, without -T or -R; the servo's own model number is checked against it."""
     zero_deg: Turns = 0.0
     """Servo angle at which the turntable stands at zero."""
     direction: Literal[1, -1] = 1
     """1 if the servo's positive sense turns the sample counter-clockwise as the camera sees it, else −1."""
     gear_ratio: float = Field(default=1.0, ge=0.01, le=100)
-    """Turns of the servo for one turn of the table."""
+    """Turns of the servo for one turn of the table. Without power a servo forgets whole turns: with a ratio above 1,
+    switch it on while the table stands within one turn of the servo above zero."""
     min_deg: Turns = -360.0
-    """Lowest angle that the cables allow."""
+    """Lowest angle that the cables allow, with `backlash_deg` to spare below it for the run-up."""
     max_deg: Turns = 720.0
     """Highest angle that the cables allow."""
     speed_deg_s: float = Field(default=90.0, ge=2, le=1000)
@@ -65,6 +67,10 @@ class TurntableConfig(TurntableSection):
 
     @model_validator(mode="after")
     def _limits_in_order(self) -> Self:
+        if self.tolerance_deg * self.gear_ratio < SERVO_TICK_DEG / 2:
+            raise ValueError(
+                f"tolerance_deg ({self.tolerance_deg:g}) must reach half a step of the servo, of 4096 a turn"
+            )
         if not self.min_deg <= self.park_deg <= self.max_deg:
             raise ValueError(f"park_deg ({self.park_deg:g}) must lie between min_deg and max_deg, and these in order")
         return self

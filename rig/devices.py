@@ -57,7 +57,7 @@ class Turntable(Protocol):
         """Go there, wait until settled, return the pose read back."""
 
     def locate(self) -> TurntablePose:
-        """Ask the device, now."""
+        """Ask the device, now. Raises if, once homed, it has a fault, lost its torque or was reset."""
 
     def stop(self) -> None:
         """Halt and keep holding."""

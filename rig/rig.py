@@ -211,12 +211,18 @@ class Rig:
     @contextmanager
     def _doing(self, state: RigState) -> Iterator[None]:
         self.state = state
+        with self.minding_position():
+            yield
+        self.state = RigState.IDLE
+
+    @contextmanager
+    def minding_position(self) -> Iterator[None]:
+        """Take note if a part that is asked where it is has lost its position."""
         try:
             yield
         except PositionLostError:
             self.state, self.position_known = RigState.ALARM, False
             raise
-        self.state = RigState.IDLE
 
     def _close(self) -> None:
         for part in (self._turntable, self._arm, self._lights, self._camera):

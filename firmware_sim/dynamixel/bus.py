@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 
 from firmware_sim.clock import Clock
-from firmware_sim.dynamixel.control_table import BAUDS, FIRMWARE_VERSION, MODEL_NUMBER, Register
+from firmware_sim.dynamixel.control_table import BAUDS, Register
 from firmware_sim.dynamixel.faults import FaultQueue, Reply
 from firmware_sim.dynamixel.memory import Refusal
 from firmware_sim.dynamixel.packets import (
@@ -22,8 +22,16 @@ from firmware_sim.dynamixel.packets import (
 from firmware_sim.dynamixel.servo import Servo
 
 RETURN_DELAY_UNIT_S = 2e-6
+BYTE_PATIENCE_S = 0.1
+"""After so long a gap a servo takes the rest of a packet for lost, and waits for the next header."""
 CLEAR_POSITION = b'\x01DXL"'
 """What the Clear instruction must say, so that no stray packet loses the turns."""
+RESET_KEEPS: dict[int, tuple[Register, ...]] = {
+    0xFF: (),
+    0x01: (Register.ID,),
+    0x02: (Register.ID, Register.BAUD_RATE),
+}
+"""What the options of Factory Reset leave as it is."""
 LEVELS: dict[int, int] = {Instruction.PING: 0, Instruction.READ: 1}
 """The status return level from which on an instruction is answered; all others want 2."""
 
@@ -36,25 +44,34 @@ class DynamixelBus:
 
     def __init__(self, clock: Clock, servos: Sequence[Servo]) -> None:
         self._clock = clock
-        self._servos = tuple(servos)
+        self.servos = tuple(servos)
         self._reader = PacketReader()
         self._outbox: list[Reply] = []
         self._registered: dict[int, bytes] = {}
+        self._heard_s = clock()
+        self.groups = True
         self.faults = FaultQueue()
 
     @property
     def baud(self) -> int:
         """The speed that the servos listen at."""
-        return BAUDS[self._servos[0].memory[Register.BAUD_RATE]]
+        return BAUDS[self.servos[0].memory[Register.BAUD_RATE]]
 
     def due_s(self) -> float | None:
         """When the next reply goes out, if one waits."""
         return min((reply.due_s for reply in self._outbox), default=None)
 
     def feed(self, content: bytes) -> bytes:
-        for servo in self._servos:
+        for servo in self.servos:
             servo.advance()
-        for packet in self._reader.feed(content):
+        now_s = self._clock()
+        if content:
+            if now_s - self._heard_s > BYTE_PATIENCE_S:
+                self._reader.clear()
+            self._heard_s = now_s
+            if self.faults.echo:
+                self._outbox.append(Reply(now_s, content))
+        for packet in self._reader.feed(self.faults.heard(content)):
             if packet.instruction != STATUS:  # the echo of another servo, or of our own reply
                 self._obey(packet)
         return self._collect()
@@ -66,7 +83,7 @@ class DynamixelBus:
         return b"".join(reply.content for reply in ready)
 
     def _obey(self, packet: Packet) -> None:
-        listening = [servo for servo in self._servos if servo.deaf_until_s <= self._clock()]
+        listening = [servo for servo in self.servos if servo.deaf_until_s <= self._clock()]
         if not packet.intact:
             for servo in listening:
                 if servo.servo_id == packet.servo_id:
@@ -82,12 +99,14 @@ class DynamixelBus:
             Instruction.FAST_BULK_READ: self._fast_bulk_read,
             Instruction.BULK_WRITE: self._bulk_write,
         }
+        if packet.servo_id == BROADCAST and packet.instruction == Instruction.PING and not self.groups:
+            return
         if packet.instruction in shared:
-            if packet.servo_id == BROADCAST:
+            if packet.servo_id == BROADCAST and self.groups:
                 shared[Instruction(packet.instruction)]({servo.servo_id: servo for servo in listening}, packet)
             return
         for servo in sorted(listening, key=lambda servo: servo.servo_id):
-            if packet.servo_id in (servo.servo_id, BROADCAST):
+            if packet.servo_id in (servo.servo_id, BROADCAST, servo.memory[Register.SHADOW_ID]):
                 self._obey_alone(servo, packet)
 
     def _obey_alone(self, servo: Servo, packet: Packet) -> None:
@@ -97,6 +116,7 @@ class DynamixelBus:
             Instruction.WRITE: _write,
             Instruction.REG_WRITE: self._register,
             Instruction.ACTION: self._action,
+            Instruction.FACTORY_RESET: _factory_reset,
             Instruction.REBOOT: _reboot,
             Instruction.CLEAR: _clear,
         }
@@ -107,7 +127,7 @@ class DynamixelBus:
             parameters = single.get(packet.instruction, _unknown)(servo, packet.parameters)
         except Refusal as refusal:
             error = refusal.code
-        silent = packet.servo_id == BROADCAST and packet.instruction != Instruction.PING
+        silent = packet.servo_id != servo_id and (packet.servo_id, packet.instruction) != (BROADCAST, Instruction.PING)
         if level >= LEVELS.get(packet.instruction, 2) and not silent:
             self._answer(servo, error, parameters, servo_id)
 
@@ -117,9 +137,7 @@ class DynamixelBus:
 
     def _send(self, servo: Servo, content: bytes) -> None:
         delay_s = servo.memory[Register.RETURN_DELAY_TIME] * RETURN_DELAY_UNIT_S
-        reply = self.faults.befall(Reply(self._clock() + delay_s, content))
-        if reply is not None:
-            self._outbox.append(reply)
+        self._outbox += self.faults.befall(Reply(self._clock() + delay_s, content))
 
     # Instructions that come in two steps
 
@@ -203,8 +221,9 @@ def _address_and_content(parameters: bytes) -> tuple[int, bytes]:
     return int.from_bytes(parameters[:2], "little"), parameters[2:]
 
 
-def _ping(_: Servo, __: bytes) -> bytes:
-    return MODEL_NUMBER.to_bytes(2, "little") + bytes([FIRMWARE_VERSION])
+def _ping(servo: Servo, _: bytes) -> bytes:
+    model, firmware = servo.memory[Register.MODEL_NUMBER], servo.memory[Register.FIRMWARE_VERSION]
+    return model.to_bytes(2, "little") + bytes([firmware])
 
 
 def _read(servo: Servo, parameters: bytes) -> bytes:
@@ -222,6 +241,14 @@ def _unknown(_: Servo, __: bytes) -> bytes:
 
 def _reboot(servo: Servo, _: bytes) -> bytes:
     servo.reboot()
+    return b""
+
+
+def _factory_reset(servo: Servo, parameters: bytes) -> bytes:
+    keep = RESET_KEEPS.get(parameters[0]) if len(parameters) == 1 else None
+    if keep is None:
+        raise Refusal(ErrorCode.DATA_RANGE)
+    servo.factory_reset(*keep)
     return b""
 
 

@@ -1,7 +1,7 @@
 """The control table of the XL430-W250 (model 1060) as data: where what stands, and what may be written."""
 
 from dataclasses import dataclass
-from enum import IntEnum
+from enum import IntEnum, IntFlag
 
 MODEL_NUMBER = 1060
 FIRMWARE_VERSION = 45
@@ -19,6 +19,21 @@ class Mode(IntEnum):
 
     POSITION = 3
     EXTENDED_POSITION = 4
+
+
+class DriveMode(IntFlag):
+    """Bits of the drive mode."""
+
+    REVERSE = 0b0001
+    TIME_BASED_PROFILE = 0b0100
+    TORQUE_ON_BY_GOAL = 0b1000
+
+
+class Startup(IntFlag):
+    """Bits of the startup configuration: what a reboot does not take away."""
+
+    TORQUE_ON = 0b01
+    RAM_RESTORE = 0b10
 
 
 class Register(IntEnum):
@@ -43,6 +58,7 @@ class Register(IntEnum):
     VELOCITY_LIMIT = 44
     MAX_POSITION_LIMIT = 48
     MIN_POSITION_LIMIT = 52
+    STARTUP_CONFIGURATION = 60
     SHUTDOWN = 63
     TORQUE_ENABLE = 64
     LED = 65
@@ -99,9 +115,9 @@ TABLE = (
     Item(Register.ID, 1, 1, (0, 252)),
     Item(Register.BAUD_RATE, 1, 1, (0, 7)),
     Item(Register.RETURN_DELAY_TIME, 1, 250, (0, 254)),
-    Item(Register.DRIVE_MODE, 1, 0, (0, 0)),
+    Item(Register.DRIVE_MODE, 1, 0, (0, 0b1101)),
     Item(Register.OPERATING_MODE, 1, Mode.POSITION, (Mode.POSITION, Mode.EXTENDED_POSITION)),
-    Item(Register.SHADOW_ID, 1, 255, (255, 255)),
+    Item(Register.SHADOW_ID, 1, 255, (0, 255)),
     Item(Register.PROTOCOL_TYPE, 1, 2, (2, 2)),
     Item(Register.HOMING_OFFSET, 4, 0, (-1_044_479, 1_044_479)),
     Item(Register.MOVING_THRESHOLD, 4, 10, (0, 1023)),
@@ -112,6 +128,7 @@ TABLE = (
     Item(Register.VELOCITY_LIMIT, 4, 265, (0, 1023)),
     Item(Register.MAX_POSITION_LIMIT, 4, 4095, (0, 4095)),
     Item(Register.MIN_POSITION_LIMIT, 4, 0, (0, 4095)),
+    Item(Register.STARTUP_CONFIGURATION, 1, 0, (0, 3)),
     Item(Register.SHUTDOWN, 1, 0b0011_0100, (0, 0b0011_1101)),
     Item(Register.TORQUE_ENABLE, 1, 0, (0, 1)),
     Item(Register.LED, 1, 0, (0, 1)),

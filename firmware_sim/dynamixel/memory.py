@@ -24,6 +24,11 @@ class Memory:
     def __setitem__(self, register: Register, value: int) -> None:
         self._values[register] = value
 
+    def factory_reset(self, *keep: Register) -> None:
+        """Set everything but what tells the servo's own self, and what is to be kept, to its initial value."""
+        own = {item.register for item in TABLE if item.register < Register.ID} | set(keep)
+        self._values.update({item.register: item.initial for item in TABLE if item.register not in own})
+
     def forget_ram(self) -> None:
         """Set everything that a reboot clears to its initial value."""
         self._values.update({item.register: item.initial for item in TABLE if item.register >= FIRST_RAM_ADDRESS})
@@ -34,7 +39,8 @@ class Memory:
             raise Refusal(ErrorCode.DATA_RANGE)
         image = bytearray(TABLE_BYTES)
         for item in TABLE:
-            image[item.register : item.end] = _to_bytes(self._values[item.register], item.size)
+            if item.register < address + length and address < item.end:
+                image[item.register : item.end] = _to_bytes(self._values[item.register], item.size)
         return bytes(image[address : address + length])
 
     def parse_write(self, address: int, content: bytes) -> dict[Register, int]:

@@ -19,6 +19,7 @@ class Instruction(IntEnum):
     WRITE = 0x03
     REG_WRITE = 0x04
     ACTION = 0x05
+    FACTORY_RESET = 0x06
     REBOOT = 0x08
     CLEAR = 0x10
     SYNC_READ = 0x82

@@ -46,7 +46,7 @@ def test_lost_and_damaged_replies_are_asked_for_again(sphere_sim: RunningSim) ->
     position = link.read(registers.PRESENT_POSITION)
     sphere_sim.side_channel.request("turntable.mute", replies=2)
     assert link.read(registers.PRESENT_POSITION) == position
-    for bit in range(0, 96, 5):
+    for bit in range(0, 96, 24):
         sphere_sim.side_channel.request("turntable.flip_bit", bit=bit, replies=1)
         assert link.read(registers.PRESENT_POSITION) == position
     link.close()

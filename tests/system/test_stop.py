@@ -13,6 +13,8 @@ from litrig.base.capture_folder.reader import read_capture
 from tests.system.command import start
 
 PATIENCE_S = 60.0
+STOP_S = 0.5
+"""On the simulator's clock, which is this one; a loaded machine may make it longer, and then something is wrong."""
 
 
 def wait_until(true: Callable[[], bool]) -> None:
@@ -35,6 +37,36 @@ def test_sigterm_stops_a_turning_table_where_it_is(sphere_sim: RunningSim) -> No
     assert error.strip() == "litrig: interrupted"
     wait_until(lambda: not moving(sphere_sim)())  # braking takes its time
     assert sphere_sim.side_channel.status()["turntable_deg"] < 650
+
+
+def test_the_stop_is_on_the_wire_within_half_a_second(sphere_sim: RunningSim) -> None:
+    process = start("rig", "move", sphere_sim.rig_toml, "--angle", "700", environment=sphere_sim.environment)
+    wait_until(moving(sphere_sim))
+    asked_s = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=PATIENCE_S)
+    recent = sphere_sim.side_channel.status()["wires"]["turntable"]["recent"]
+    stops_s = [time_s for time_s, way, content in recent if is_goal(way, content) and time_s > asked_s]
+    assert stops_s[0] < asked_s + STOP_S
+
+
+def test_a_killed_command_leaves_a_table_that_stops_by_itself_and_holds(sphere_sim: RunningSim) -> None:
+    process = start("rig", "move", sphere_sim.rig_toml, "--angle", "700", environment=sphere_sim.environment)
+    wait_until(moving(sphere_sim))
+    process.kill()
+    process.communicate(timeout=PATIENCE_S)
+    wait_until(lambda: not moving(sphere_sim)())
+    assert sphere_sim.side_channel.status()["turntable_deg"] < 650
+
+
+def test_a_power_sag_in_a_move_says_that_the_position_is_lost(sphere_sim: RunningSim) -> None:
+    process = start("rig", "move", sphere_sim.rig_toml, "--angle", "700", environment=sphere_sim.environment)
+    wait_until(moving(sphere_sim))
+    sphere_sim.side_channel.request("turntable.brown_out")
+    _, error = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 1, error
+    assert "its position is lost; check the supply, then home it" in error
+    assert "Traceback" not in error
 
 
 def test_an_impatient_operator_does_not_cut_the_stop_short(sphere_sim: RunningSim) -> None:
