@@ -12,7 +12,7 @@ from firmware_sim.dynamixel.faults import ReplyFault, without
 from firmware_sim.launch import RunningSim
 from firmware_sim.side_channel import SideChannel
 from rig.clock import MonotonicClock
-from rig.config import RigConfig, read_rig
+from rig.config import RigConfig, TurntableConfig, read_rig
 from rig.dynamixel import registers
 from rig.dynamixel.link import DynamixelLink
 from rig.dynamixel.registers import Register
