@@ -6,7 +6,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from benchmarks import amc, amc_memory, ptm, storage, viewing, wires
+from benchmarks import amc, amc_memory, arm_wires, ptm, storage, viewing, wires
 from benchmarks.measure import table
 
 TEXT = """# Benchmarks
@@ -41,6 +41,7 @@ def main() -> None:
             *viewing.comparisons(),
             *storage.comparisons(folder),
             *wires.comparisons(),
+            *arm_wires.comparisons(),
         ]
         peaks = amc_memory.report(folder)
         ptm_peaks = ptm.memory(folder)

@@ -28,8 +28,7 @@ def _exchanges() -> list[Comparison]:
     """Read the present position many times; the SDK on its own keeps a core busy while it waits."""
     with simulated_rig(SimConfig()) as sim:
         config = read_rig(sim.rig_toml).turntable
-        if not isinstance(config, TurntableConfig):
-            raise TypeError("the simulated rig has a turntable on a servo")
+        assert isinstance(config, TurntableConfig), "the simulated rig has a servo"
 
         def ours() -> None:
             link = DynamixelLink(config.port, config.baud, config.id, MonotonicClock())

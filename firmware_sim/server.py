@@ -34,7 +34,7 @@ from firmware_sim.side_channel import Answer, Handler, SideChannelServer
 from firmware_sim.timetable import Timetable
 from firmware_sim.udmx.faults import lights_faults
 from firmware_sim.udmx.usb_server import UsbServer
-from firmware_sim.wire import Wire
+from firmware_sim.wire import SerialDevice, Wire
 
 CONFIG_NAME, FRAMES_NAME, CHANNEL_NAME, USB_NAME, RIG_NAME, LOG_NAME = (
     "sim.json",
@@ -67,28 +67,28 @@ class Server:
         self._relevance = relevance_of(config.scene)
         self._running = True
         self._devices = Devices(config, clock)
-        self._wires = {
-            "turntable": Wire(self._devices.bus, clock, folder / LINKS_NAME / "turntable"),
-            "arm": Wire(self._devices.grbl.arm, clock, folder / LINKS_NAME / "arm"),
+        served: dict[str, SerialDevice | None] = {
+            "turntable": self._devices.bus,
+            "arm": self._devices.grbl.arm,
+            "stepper": self._devices.grbl.table,
         }
-        if self._devices.grbl.table is not None:
-            self._wires["stepper"] = Wire(self._devices.grbl.table, clock, folder / LINKS_NAME / "stepper")
+        links = folder / LINKS_NAME
+        self._wires = {name: Wire(device, clock, links / name) for name, device in served.items() if device is not None}
         self._timetable = Timetable(clock)
         self._schedule()
         self._channel = SideChannelServer(folder / CHANNEL_NAME, self._handlers())
         self._usb = UsbServer(folder / USB_NAME, self._devices.usb)
 
     def _schedule(self) -> None:
-        """Note what SIM.toml lets happen at an instant."""
-        grbl, config = self._devices.grbl, self._config
-        pairs = ((grbl.arm, config.arm.faults), (grbl.table, config.stepper.faults if config.stepper else None))
-        for wire, faults in pairs:
-            if wire is not None and faults is not None:
-                self._timetable.add(faults.power_loss_at_s, partial(wire.controller.lose_power, faults.power_loss_s))
-        servo, adapter = config.turntable.faults, self._wires["turntable"]
-        self._timetable.add(servo.brown_out_at_s, self._devices.servo.brown_out)
-        self._timetable.add(servo.unplug_at_s, adapter.unplug)
-        self._timetable.add(servo.replug_at_s, adapter.replug)
+        """Note when supplies fail and plugs are pulled, as SIM.toml has it."""
+        grbl, config, faults = self._devices.grbl, self._config, self._config.turntable.faults
+        self._timetable.add(faults.brown_out_at_s, self._devices.servo.brown_out)
+        self._timetable.add(faults.unplug_at_s, self._wires["turntable"].unplug)
+        self._timetable.add(faults.replug_at_s, self._wires["turntable"].replug)
+        stepper_faults = None if config.stepper is None else config.stepper.faults
+        for bench, mishaps in ((grbl.arm, config.arm.faults), (grbl.table, stepper_faults)):
+            if bench is not None and mishaps is not None:
+                self._timetable.add(mishaps.power_loss_at_s, partial(bench.controller.lose_power, mishaps.power_loss_s))
 
     @property
     def ports(self) -> dict[str, str]:

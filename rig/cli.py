@@ -85,7 +85,8 @@ def move(rig_toml: Path, angle_deg: float) -> None:
 def light(rig_toml: Path, azimuth_deg: float | None, elevation_deg: float | None, lamp: int | None) -> None:
     """Light the sample from a direction, and print where the light comes from.
 
-    The light arm is homed and brings its lamp there; of a dome, the nearest lamp is lit. It stays lit.
+    The light arm is homed and brings its lamp there; of a dome, the nearest lamp is lit. It stays lit, but for
+    one on a GRBL output, which goes out by itself after timeout_s of [lights].
     """
     if lamp is None and (azimuth_deg is None or elevation_deg is None):
         raise click.UsageError("give --azimuth and --elevation, or --lamp of a dome")

@@ -148,8 +148,8 @@ class GrblController:
             self._work_offset = report.work_offset or self._work_offset
             if report.machine is not None:
                 return report
-            if report.work is not None and self._work_offset is not None:
-                machine = tuple(a + b for a, b in zip(report.work, self._work_offset, strict=True))
+            if report.work is not None and len(report.work) == len(self._work_offset or ()):
+                machine = tuple(a + b for a, b in zip(report.work, self._work_offset or (), strict=True))
                 return Status(report.state, report.phase, machine, report.work, self._work_offset, fields=report.fields)
         raise GarbledReplyError(f"{self.name}: no usable status report; check the cable, and set $10=3")
 

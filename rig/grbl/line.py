@@ -11,7 +11,7 @@ from rig.grbl.codec import Reply
 from rig.grbl.commands import RealTime
 from rig.serial_port import open_serial
 
-POLL_S = 0.002
+FIRST_POLL_S, POLL_S = 0.000_2, 0.002
 LONGEST_LINE = 4096
 
 
@@ -65,6 +65,7 @@ class GrblLine:
         GarbledReplyError
             It is damaged, or never ends.
         """
+        pause_s = FIRST_POLL_S
         while b"\n" not in self._pending:
             arrived = self._read()
             self._pending += arrived
@@ -74,7 +75,8 @@ class GrblLine:
             if not arrived:
                 if self._clock.now_s() > deadline_s:
                     raise LinkTimeoutError(f"{self.name}: no answer to {what}; check power and cable")
-                self._clock.sleep(POLL_S)
+                self._clock.sleep(pause_s)
+                pause_s = min(2 * pause_s, POLL_S)  # most answers come at once, some after a long motion
         line, self._pending = self._pending.split(b"\n", 1)
         return codec.parse_line(line)
 

@@ -43,8 +43,11 @@ class Output:
                 return
 
     def darken(self) -> None:
-        """Darken it, now."""
-        self._controller.command(commands.Dark(), STOP_S)
+        """Darken it, now; a locked controller has done so already, and a reset makes sure."""
+        try:
+            self._controller.command(commands.Dark(), STOP_S)
+        except RefusedError:
+            self._controller.reset()
 
     def _send(self, lit: commands.Light, limit_s: float | None) -> None:
         if limit_s is None:

@@ -1,5 +1,7 @@
 """Drivers and the simulated controller in one process, on one clock that nobody has to wait for."""
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from firmware_sim.grbl.config import GrblFaults
@@ -28,7 +30,9 @@ class LoopPort:
     clock: FakeClock
     written: list[tuple[float, bytes]] = field(default_factory=list)
     unplugged: bool = False
+    unplug_at_s: float = math.inf
     _said: bytes = b""
+    _due: list[tuple[float, Callable[[], None]]] = field(default_factory=list)
 
     def read(self, size: int, /) -> bytes:
         """Let the simulator speak."""
@@ -50,8 +54,15 @@ class LoopPort:
         """Return all that was written."""
         return b"".join(content for _, content in self.written)
 
+    def at(self, time_s: float, happens: Callable[[], None]) -> None:
+        """Let something happen when the driver next looks at the port after an instant."""
+        self._due.append((time_s, happens))
+
     def _refuse_if_unplugged(self) -> None:
-        if self.unplugged:
+        for due in [due for due in self._due if due[0] <= self.clock.time_s]:
+            self._due.remove(due)
+            due[1]()
+        if self.unplugged or self.clock.time_s >= self.unplug_at_s:
             raise OSError("[Errno 5] Input/output error")
 
 

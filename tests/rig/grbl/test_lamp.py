@@ -108,6 +108,19 @@ def test_a_stop_darkens_the_lamp_and_keeps_the_position() -> None:
     assert controller.homed
 
 
+def test_a_locked_controller_is_dark_and_darkening_it_is_no_error() -> None:
+    bench = Bench(settings={21: 1})
+    controller = homed(bench)
+    Output(controller).light(1000, None)
+    bench.sim.break_switches("stuck")
+    with pytest.raises(DeviceError, match="alarm 1"):
+        controller.position()
+    controller.halt()
+    assert controller.status().state == "Alarm"
+    Output(controller).darken()
+    assert bench.sim.lamp.power == 0
+
+
 def test_light_is_a_command_like_others() -> None:
     bench = Bench()
     homed(bench).command(Light(300))
