@@ -10,6 +10,7 @@ import click
 if TYPE_CHECKING:
     from acquisition.plans import Plan
     from litrig.base.progress import Report
+    from rig.config import RigConfig
 
 RIG = click.argument("rig_toml", metavar="RIG.toml", type=click.Path(path_type=Path))
 OUTPUT = click.option(
@@ -64,23 +65,32 @@ def capture() -> None:
 def amc(rig_toml: Path, folder: Path, slices: int, object_id: str, tangent_zero_deg: float) -> None:
     """Shoot an Anisotropic MatCap session: a sphere of the material, turned about the camera's axis."""
     from acquisition.plans import AmcPlan
+    from rig.config import read_rig
 
-    _capture(rig_toml, AmcPlan(slices), folder, object_id, tangent_zero_deg)
+    _capture(read_rig(rig_toml), AmcPlan(slices), folder, object_id, tangent_zero_deg)
 
 
 @capture.command(epilog="Example: litrig capture ptm rig.toml -o coin --lights 50 --object coin")
 @RIG
 @OUTPUT
-@click.option("--lights", type=int, required=True, help="Light directions, spread evenly; 40 to 80 are usual.")
+@click.option(
+    "--lights",
+    type=int,
+    required=True,
+    help="Light directions, spread evenly; 40 to 80 are usual. Of a dome, as many of its lamps.",
+)
 @OBJECT
 def ptm(rig_toml: Path, folder: Path, lights: int, object_id: str) -> None:
-    """Shoot a PTM session: a still object under a lamp that moves."""
+    """Shoot a PTM session: a still object under a lamp that moves, or under the lamps of a dome."""
+    from acquisition.dome_plan import DomePlan
     from acquisition.plans import PtmPlan
     from rig.config import ArmConfig, read_rig
 
-    arm = read_rig(rig_toml).arm
-    plan = PtmPlan(lights, arm=arm if isinstance(arm, ArmConfig) else None)
-    _capture(rig_toml, plan, folder, object_id, 0.0)
+    config = read_rig(rig_toml)
+    directions_deg = () if config.lights is None else config.lights.directions_deg
+    arm = config.arm if isinstance(config.arm, ArmConfig) else None
+    plan: Plan = DomePlan(lights, directions_deg) if directions_deg else PtmPlan(lights, arm=arm)
+    _capture(config, plan, folder, object_id, 0.0)
 
 
 @capture.command(epilog="Example: litrig capture verify coin")
@@ -99,18 +109,17 @@ def verify(folder: Path) -> None:
     click.echo(f"{folder}: {result.frames} frames, all as they were captured; the bag is valid")
 
 
-def _capture(rig_toml: Path, plan: "Plan", folder: Path, object_id: str, tangent_zero_deg: float) -> None:
+def _capture(config: "RigConfig", plan: "Plan", folder: Path, object_id: str, tangent_zero_deg: float) -> None:
     from acquisition.session import SessionInfo
     from acquisition.session import capture as run_session
     from litrig.base.console import reporting
-    from rig.config import read_rig
 
     info = SessionInfo(object_id, tangent_zero_deg)
     foresight = click.get_current_context().find_object(Foresight)
     with reporting() as report:
         if foresight is not None:
             foresight.announce(plan, report)
-        complete = run_session(read_rig(rig_toml), plan, folder, info, report=report)
+        complete = run_session(config, plan, folder, info, report=report)
     if not complete:
         click.echo(f"paused; the frames so far are safe in {folder}, the rig stays powered", err=True)
         raise SystemExit(PAUSED_STATUS)

@@ -16,6 +16,8 @@ from rig.config import ArmConfig
 
 GOLDEN_ANGLE_DEG = 180 * (3 - math.sqrt(5))
 FEWEST_SLICES = 8
+FEWEST_LIGHTS = 6
+"""A PTM has six coefficients."""
 MOST_STEPS = 100_000
 
 
@@ -127,8 +129,8 @@ class PtmPlan:
 
     def __post_init__(self) -> None:
         """Refuse a plan that no PTM can be fitted to."""
-        if not 6 <= self.lights <= 2000:
-            raise InputError(f"lights: {self.lights} is outside 6..2000; 40 to 80 are usual")
+        if not FEWEST_LIGHTS <= self.lights <= 2000:
+            raise InputError(f"lights: {self.lights} is outside {FEWEST_LIGHTS}..2000; 40 to 80 are usual")
         if not 0 < self.min_elevation_deg < self.max_elevation_deg < 90:
             raise InputError(
                 f"elevations: {self.min_elevation_deg:g}..{self.max_elevation_deg:g}° must rise within 0..90°"

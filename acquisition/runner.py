@@ -29,12 +29,12 @@ class Poses:
     """Where everything stood at one instant."""
 
     turntable: TurntablePose | None
-    arm: ArmPose | None
+    light: ArmPose | None
 
     def as_json(self) -> Mapping[str, float]:
         """Return them as the journal has them."""
         angles = {} if self.turntable is None else {"angle_deg": round(self.turntable.angle_deg, 4)}
-        return angles if self.arm is None else {**angles, **_rounded(asdict(self.arm))}
+        return angles if self.light is None else {**angles, **_rounded(asdict(self.light))}
 
 
 @dataclass(frozen=True)
@@ -72,8 +72,7 @@ def check_plan(plan: Plan, rig: Rig) -> None:
         if step.angle_deg is not None:
             rig.turntable.check(step.angle_deg)
         if step.aim is not None:
-            rig.lights.check(step.aim.lamp)
-            rig.arm.check(step.aim.azimuth_deg, step.aim.elevation_deg)
+            rig.check_light(step.aim.azimuth_deg, step.aim.elevation_deg, step.aim.lamp)
 
 
 def run(plan: Plan, rig: Rig, writer: CaptureFolderWriter, pause_requested: Callable[[], bool]) -> Iterator[RunEvent]:
@@ -86,7 +85,7 @@ def run(plan: Plan, rig: Rig, writer: CaptureFolderWriter, pause_requested: Call
     """
     inspector = Inspector()
     try:
-        rig.home()
+        rig.get_ready()
         for done, step in enumerate(plan):
             if pause_requested():
                 rig.pause()
@@ -134,14 +133,13 @@ def _go(step: Step, rig: Rig) -> None:
     if step.angle_deg is not None:
         rig.turn_to(step.angle_deg)
     if step.aim is not None:
-        rig.light_from(step.aim.azimuth_deg, step.aim.elevation_deg)
-        rig.lights.switch_on(step.aim.lamp)
+        rig.light_from(step.aim.azimuth_deg, step.aim.elevation_deg, step.aim.lamp)
 
 
 def _locate(step: Step, rig: Rig) -> Poses:
     return Poses(
         None if step.angle_deg is None else rig.turntable.locate(),
-        None if step.aim is None else rig.arm.locate(),
+        None if step.aim is None else rig.locate_light(step.aim.lamp),
     )
 
 
@@ -151,9 +149,9 @@ def _judge_poses(step: Step, rig: Rig, poses: tuple[Poses, Poses]) -> tuple[floa
     for pose in poses:
         if step.angle_deg is not None and pose.turntable is not None:
             turned_deg = max(turned_deg, abs(pose.turntable.angle_deg - step.angle_deg))
-        if step.aim is not None and pose.arm is not None:
+        if step.aim is not None and pose.light is not None:
             wanted = direction_from_angles(step.aim.azimuth_deg, step.aim.elevation_deg)
-            found = direction_from_angles(pose.arm.azimuth_deg, pose.arm.elevation_deg)
+            found = direction_from_angles(pose.light.azimuth_deg, pose.light.elevation_deg)
             lit_deg = max(lit_deg, angle_between_deg(wanted, found))
     # Both joints of the arm may be off at once.
     for part, off_deg, joints in ((rig.config.turntable, turned_deg, 1), (rig.config.arm, lit_deg, 2)):
@@ -174,8 +172,8 @@ def _journal_fields(
         "pose_before": before.as_json(),
         "pose_after": after.as_json(),
     }
-    if after.arm is not None:
-        light = direction_from_angles(after.arm.azimuth_deg, after.arm.elevation_deg)
+    if after.light is not None:
+        light = direction_from_angles(after.light.azimuth_deg, after.light.elevation_deg)
         fields["light"] = [round(float(component), 6) for component in light / np.linalg.norm(light)]
     fields["camera"] = dict(shot.settings)
     fields["exposed"] = {"from_s": round(shot.exposed_from_s, 6), "to_s": round(shot.exposed_to_s, 6)}

@@ -63,7 +63,10 @@ def capture(
     check_free(folder)
     check_object_id(info.object_id)
     started = datetime.now(UTC).isoformat(timespec="seconds")
-    with Interrupts(can_pause=True) as interrupts, open_rig(config, use=_needed(plan), environment=environment) as rig:
+    with (
+        Interrupts(can_pause=True) as interrupts,
+        open_rig(config, use=_needed(plan, config), environment=environment) as rig,
+    ):
         check_plan(plan, rig)
         session = _resolved(config, plan, info, started)
         with CaptureFolderWriter.create(folder, info.object_id, session, (step.as_json() for step in plan)) as writer:
@@ -76,14 +79,15 @@ def capture(
     return True
 
 
-def _needed(plan: Plan) -> frozenset[str]:
+def _needed(plan: Plan, config: RigConfig) -> frozenset[str]:
     """Name the parts that a plan uses; the others are not touched, and cannot fail."""
     steps = list(plan)
     parts = {"camera"}
     if any(step.angle_deg is not None for step in steps):
         parts.add("turntable")
     if any(step.aim is not None for step in steps):
-        parts |= {"arm", "lights"}
+        has_dome = config.lights is not None and config.lights.directions_deg
+        parts |= {"lights"} if has_dome else {"arm", "lights"}
     return frozenset(parts)
 
 

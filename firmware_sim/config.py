@@ -2,14 +2,15 @@
 
 import tomllib
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from firmware_sim.errors import SimConfigError
 from firmware_sim.grbl.config import GrblFaults, Settings, StepperSim
 from firmware_sim.grbl.dialect import DialectName
 from firmware_sim.mitsuba.config import MitsubaScene
+from firmware_sim.udmx.config import DomeSim
 
 LARGEST_SIM_TOML_BYTES = 1_000_000
 
@@ -120,8 +121,16 @@ class SimConfig(_Strict):
     stepper: StepperSim | None = None
     """A turntable on a GRBL axis in place of the servo."""
     arm: ArmSim = ArmSim()
+    dome: DomeSim | None = None
+    """Lamps on a dome in place of the arm's; only the relief is lit by them."""
     camera: CameraSim = CameraSim()
     scene: Annotated[SphereScene | ReliefScene | MitsubaScene, Field(discriminator="kind")] = SphereScene()
+
+    @model_validator(mode="after")
+    def _a_dome_needs_the_relief(self) -> Self:
+        if self.dome is not None and self.scene.kind != "relief":
+            raise ValueError("a [dome] lights the scene of kind relief only; add it, or leave the dome out")
+        return self
 
 
 def read_sim(path: Path) -> SimConfig:
@@ -153,4 +162,4 @@ def _misfit(kind: str, place: tuple[int | str, ...], message: str) -> str:
     key = ".".join(str(part) for part in place)
     if kind == "extra_forbidden":
         return f"unknown key {key!r}; remove it or mend its spelling"
-    return f"{key}: {message}"
+    return f"{key}: {message}" if key else message.removeprefix("Value error, ")

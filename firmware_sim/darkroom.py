@@ -47,10 +47,10 @@ class Darkroom:
         job = self._channel.request("render.next")["job"]
         if job is None:
             return False
-        pose, size = Pose(*job[0]), (job[1][0], job[1][1])
+        pose, size = Pose.from_json(job[0]), (job[1][0], job[1][1])
         if self._cache.load(pose, size) is None:
             self._cache.store(pose, size, self._render(pose, size))
-        self._channel.request("render.finished", pose=pose, size=size)
+        self._channel.request("render.finished", pose=pose[:4], size=size)
         return True
 
     def _render(self, pose: Pose, size: Size) -> F32:

@@ -1,4 +1,4 @@
-"""The devices of one rig: servo bus, light arm, and where they are at any instant."""
+"""The devices of one rig: servo bus, light arm, lamps on USB, and where they are at any instant."""
 
 from firmware_sim.clock import Clock
 from firmware_sim.config import SimConfig
@@ -6,6 +6,9 @@ from firmware_sim.dynamixel.bus import DynamixelBus
 from firmware_sim.dynamixel.control_table import BAUDS, Register
 from firmware_sim.dynamixel.servo import Servo
 from firmware_sim.grbl.bench import GrblBench
+from firmware_sim.scene.pose import LitLamp
+from firmware_sim.udmx.bus import UsbBus
+from firmware_sim.udmx.dome import Dome
 
 
 class Devices:
@@ -18,6 +21,8 @@ class Devices:
         self.bus = DynamixelBus(clock, [self.servo])
         self.grbl = GrblBench(config, clock)
         self.arm = self.grbl.arm.controller
+        self.usb = UsbBus(clock, config.dome)
+        self.dome = None if config.dome is None else Dome(config.dome)
 
     def pose(self, time_s: float) -> tuple[float, float, float, float]:
         """Return turntable angle, azimuth and elevation in degrees, and lamp 0..1, at any time of the last seconds."""
@@ -30,3 +35,7 @@ class Devices:
         """Tell whether servo or stepper turns."""
         moving = self.grbl.table_is_moving()
         return self.servo.is_turning() if moving is None else moving
+
+    def shining(self, time_s: float) -> tuple[LitLamp, ...]:
+        """Return the dome's lamps that shine, at any time of the last seconds."""
+        return () if self.dome is None else self.dome.lit(self.usb.lamps.controller.dimmers.slots_at(time_s))

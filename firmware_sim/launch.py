@@ -21,7 +21,7 @@ from firmware_sim.render_requests import BATCH
 from firmware_sim.rig_toml import rig_toml
 from firmware_sim.scene.frame_cache import default_root
 from firmware_sim.scene.pose import PlannedPose
-from firmware_sim.server import CHANNEL_NAME, CONFIG_NAME, FRAMES_NAME, LOG_NAME, RIG_NAME
+from firmware_sim.server import CHANNEL_NAME, CONFIG_NAME, FRAMES_NAME, LOG_NAME, RIG_NAME, USB_NAME
 from firmware_sim.side_channel import SideChannel
 
 START_PATIENCE_S = 30.0
@@ -125,7 +125,8 @@ def simulated_rig(config: SimConfig, folder: Path | None = None, cache: Path | N
         (folder / CONFIG_NAME).write_text(config.model_dump_json(), encoding="utf-8")
         ports = stack.enter_context(_server(folder, (cache or default_root()).resolve(), variant))
         rig = folder / RIG_NAME
-        rig.write_text(rig_toml(config, _table_port(config, ports), ports["arm"]), encoding="utf-8")
+        text = rig_toml(config, _table_port(config, ports), ports["arm"], str(folder / USB_NAME))
+        rig.write_text(text, encoding="utf-8")
         channel = stack.enter_context(SideChannel(folder / CHANNEL_NAME))
         yield RunningSim(rig, _environment(config, folder, shim), channel)
 

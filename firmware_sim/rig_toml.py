@@ -3,36 +3,29 @@
 from firmware_sim.config import ReliefScene, SimConfig, SphereScene
 from firmware_sim.grbl.stepper import stepper_toml
 from firmware_sim.mitsuba.config import MitsubaScene
+from firmware_sim.udmx.rig_toml import dome_toml
 
 GRBL_BAUD = 115_200
 FLAT_SAMPLES = ("relief", "white-card")
 
 
-def rig_toml(config: SimConfig, turntable_port: str, arm_port: str) -> str:
+def rig_toml(config: SimConfig, turntable_port: str, arm_port: str, usb_address: str = "") -> str:
     """Describe the running devices.
 
     Parameters
     ----------
     config : what is simulated
     turntable_port, arm_port : device paths of the serial ports
+    usb_address : of the USB bus
     """
-    arm, camera = config.arm, config.camera
-    lights = 'kind = "grbl-spindle"\npower = 1000' if _is_lit_by_the_arm(config.scene) else 'kind = "always-on"'
+    camera = config.camera
+    lights = _on_the_arm(config, arm_port) if config.dome is None else dome_toml(config.dome, usb_address)
     return f"""\
 [rig]
 name = "simulated: {_name(config.scene)}"
 
 {_turntable(config, turntable_port)}
-[arm]
-kind = "grbl"
-port = "{arm_port}"
-baud = {GRBL_BAUD}
-azimuth_origin_deg = {-arm.azimuth_travel_deg:.1f}
-elevation_origin_deg = {-arm.elevation_travel_deg:.1f}
-
-[lights]
 {lights}
-
 [camera]
 kind = "v4l2"
 device = "{camera.device}"
@@ -56,6 +49,22 @@ port = "{port}"
 baud = {table.baud}
 id = {table.id}
 model = "XL430-W250"
+"""
+
+
+def _on_the_arm(config: SimConfig, arm_port: str) -> str:
+    arm = config.arm
+    lights = 'kind = "grbl-spindle"\npower = 1000' if _is_lit_by_the_arm(config.scene) else 'kind = "always-on"'
+    return f"""\
+[arm]
+kind = "grbl"
+port = "{arm_port}"
+baud = {GRBL_BAUD}
+azimuth_origin_deg = {-arm.azimuth_travel_deg:.1f}
+elevation_origin_deg = {-arm.elevation_travel_deg:.1f}
+
+[lights]
+{lights}
 """
 
 

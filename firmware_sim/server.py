@@ -30,12 +30,15 @@ from firmware_sim.resting import last_elsewhere_s
 from firmware_sim.scene.pose import Pose
 from firmware_sim.scene.rendering import note_on, relevance_of, room_for
 from firmware_sim.side_channel import Answer, Handler, SideChannelServer
+from firmware_sim.udmx.faults import lights_faults
+from firmware_sim.udmx.usb_server import UsbServer
 from firmware_sim.wire import Wire
 
-CONFIG_NAME, FRAMES_NAME, CHANNEL_NAME, RIG_NAME, LOG_NAME = (
+CONFIG_NAME, FRAMES_NAME, CHANNEL_NAME, USB_NAME, RIG_NAME, LOG_NAME = (
     "sim.json",
     "frames.bin",
     "side-channel.sock",
+    "usb.sock",
     "RIG.toml",
     "server.log",
 )
@@ -65,6 +68,7 @@ class Server:
             self._wires["stepper"] = Wire(self._devices.grbl.table, clock)
         self._schedule()
         self._channel = SideChannelServer(folder / CHANNEL_NAME, self._handlers())
+        self._usb = UsbServer(folder / USB_NAME, self._devices.usb)
 
     def _schedule(self) -> None:
         """Note when a supply is to fail."""
@@ -107,7 +111,7 @@ class Server:
                 darkroom = None
             for ready in self._wait():
                 if isinstance(ready, socket.socket):
-                    self._channel.serve(ready)
+                    (self._usb if ready in self._usb.sockets() else self._channel).serve(ready)
                 elif ready == sys.stdin.fileno():
                     self._running = False
 
@@ -118,13 +122,15 @@ class Server:
 
     def close(self) -> None:
         self._channel.close()
+        self._usb.close()
         for wire in self._wires.values():
             wire.close()
 
     def _wait(self) -> list[int | socket.socket]:
         due_s = [due for wire in self._wires.values() if (due := wire.due_s()) is not None]
         wait_s = min([LONGEST_WAIT_S, *(max(0.0, due - self._clock()) for due in due_s)])
-        sources = [sys.stdin.fileno(), *(wire.master for wire in self._wires.values()), *self._channel.sockets()]
+        sources = [sys.stdin.fileno(), *(wire.master for wire in self._wires.values())]
+        sources += [*self._channel.sockets(), *self._usb.sockets()]
         # Unlike epoll, select waits for fractions of a millisecond.
         with selectors.SelectSelector() as selector:
             for source in sources:
@@ -134,7 +140,8 @@ class Server:
     def _handlers(self) -> dict[str, Handler]:
         own: dict[str, Handler] = {"status": self._status, "shutdown": self._shutdown}
         own |= {"poses": self._poses, "poses.before": self._poses_before}
-        faults = (turntable_faults(self._devices), arm_faults(self._devices), camera_faults(self._shared))
+        faults = [turntable_faults(self._devices), arm_faults(self._devices), camera_faults(self._shared)]
+        faults.append(lights_faults(self._devices.usb, self._devices.dome))
         renders = render_requests(self._renders, self._config, lambda: Pose(*self._devices.pose(self._clock())))
         for table in (*faults, renders):
             own |= table
@@ -155,6 +162,8 @@ class Server:
             "lamp": lamp,
             "camera": camera,
             "render": self._renders.progress(),
+            "dome": self._devices.shining(now_s),
+            "usb": [plugged.as_status() for plugged in self._devices.usb.devices],
             "wires": {name: {"port": wire.path, "recent": wire.recent()} for name, wire in self._wires.items()},
         }
 
@@ -169,7 +178,7 @@ class Server:
 
     def _pose(self, time_s: float) -> Pose:
         """Return the pose as far as the camera can see it."""
-        return self._relevance.of(Pose(*self._devices.pose(time_s)))
+        return self._relevance.of(Pose(*self._devices.pose(time_s), self._devices.shining(time_s)))
 
     @validate_call
     def _shutdown(self) -> Answer:

@@ -168,7 +168,7 @@ class Studio:
         return self._last[1]
 
     def _poses(self, times_s: list[float]) -> list[Pose]:
-        return [Pose(*values) for values in self._channel.request("poses", at=times_s)["poses"]]
+        return [Pose.from_json(values) for values in self._channel.request("poses", at=times_s)["poses"]]
 
     def _before_rest_s(self, shot: Shot) -> float:
         return float(self._channel.request("poses.before", at=shot.instants_s[0])["time_s"])
@@ -185,7 +185,7 @@ def _scene(config: SimConfig, variant: str, cache: Path, channel: Requests) -> S
         return RenderedScene(
             frame_cache(scene, variant, cache),
             relevance_of(scene),
-            lambda pose, size: channel.request("render.urgent", pose=pose, size=size),
+            lambda pose, size: channel.request("render.urgent", pose=pose[:4], size=size),
             monotonic_s,
         )
     return Relief(scene) if isinstance(scene, ReliefScene) else BrushedSphere(scene)

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
 RIG = click.argument("rig_toml", metavar="RIG.toml", type=click.Path(path_type=Path))
 
+NOTED_DEG = 0.5
+"""A light this far from the direction asked for is worth a word."""
+
 
 @click.group(
     epilog="Without hardware: litrig sim run examples/sim-amc.toml -- sh -c 'litrig rig move $LITRIG_RIG --angle 30'"
@@ -50,7 +53,7 @@ def home(rig_toml: Path) -> None:
 def park(rig_toml: Path) -> None:
     """Home, move to the resting pose, lamps dark, and let go of the turntable."""
     with _opened(rig_toml, "turntable", "arm", "lights") as opened:
-        opened.home()
+        opened.get_ready()
         opened.park()
     click.echo("parked")
 
@@ -69,23 +72,39 @@ def move(rig_toml: Path, angle_deg: float) -> None:
 
 @rig.command(epilog="Example: litrig rig light rig.toml --azimuth 45 --elevation 30")
 @RIG
+@click.option("--azimuth", "azimuth_deg", type=float, help="Degrees from the picture's right towards its top.")
+@click.option("--elevation", "elevation_deg", type=float, help="Degrees above the picture's plane.")
 @click.option(
-    "--azimuth", "azimuth_deg", type=float, required=True, help="Degrees from the picture's right towards its top."
+    "--lamp", type=click.IntRange(0), help="Number of the lamp, from 0; of a dome, no direction is needed then."
 )
-@click.option("--elevation", "elevation_deg", type=float, required=True, help="Degrees above the picture's plane.")
-@click.option("--lamp", type=click.IntRange(0), default=0, show_default=True, help="Number of the lamp.")
-def light(rig_toml: Path, azimuth_deg: float, elevation_deg: float, lamp: int) -> None:
-    """Home the light arm, bring its lamp to a direction, and light it.
+def light(rig_toml: Path, azimuth_deg: float | None, elevation_deg: float | None, lamp: int | None) -> None:
+    """Light the sample from a direction, and print where the light comes from.
 
-    A lamp on a GRBL output goes out by itself after timeout_s of [lights].
+    The light arm is homed and brings its lamp there; of a dome, the nearest lamp is lit. It stays lit, on a
+    GRBL output for timeout_s of [lights].
     """
+    if lamp is None and (azimuth_deg is None or elevation_deg is None):
+        raise click.UsageError("give --azimuth and --elevation, or --lamp of a dome")
+    from litrig.base.directions import angle_between_deg, direction_from_angles
+
+    asked = None if azimuth_deg is None or elevation_deg is None else direction_from_angles(azimuth_deg, elevation_deg)
     with _opened(rig_toml, "arm", "lights") as opened:
-        opened.arm.check(azimuth_deg, elevation_deg)
-        opened.lights.check(lamp)
-        opened.arm.home()
-        pose = opened.light_from(azimuth_deg, elevation_deg)
-        opened.lights.switch_on(lamp)
-    click.echo(f"lamp {lamp} lit at azimuth {pose.azimuth_deg:.2f}°, elevation {pose.elevation_deg:.2f}°")
+        if opened.has_dome:
+            lamp = opened.nearest_lamp(asked) if lamp is None and asked is not None else lamp or 0
+            opened.lights.check(lamp)
+            pose = opened.light_from(*opened.directions_deg[lamp], lamp)
+        elif azimuth_deg is None or elevation_deg is None:
+            raise InputError(f"{rig_toml}: its lamps have no directions of their own; give --azimuth and --elevation")
+        else:
+            lamp = lamp or 0
+            opened.check_light(azimuth_deg, elevation_deg, lamp)
+            opened.arm.home()
+            pose = opened.light_from(azimuth_deg, elevation_deg, lamp)
+    off_deg = (
+        0.0 if asked is None else angle_between_deg(asked, direction_from_angles(pose.azimuth_deg, pose.elevation_deg))
+    )
+    note = f", {off_deg:.1f}° from what was asked for" if off_deg > NOTED_DEG else ""
+    click.echo(f"lamp {lamp} lit at azimuth {pose.azimuth_deg:.2f}°, elevation {pose.elevation_deg:.2f}°{note}")
 
 
 @rig.command(epilog="Example: litrig rig snap rig.toml -o first.png")

@@ -182,7 +182,11 @@ LIGHTS: Registry[LightsSection, Lights] = Registry(
     "lights",
     "litrig.lights",
     LightsSection,
-    {"grbl-spindle": "rig.grbl.driver:SPINDLE_LAMP", "always-on": "rig.always_on:DRIVER"},
+    {
+        "grbl-spindle": "rig.grbl.driver:SPINDLE_LAMP",
+        "always-on": "rig.always_on:DRIVER",
+        "udmx": "rig.udmx.driver:LIGHTS",
+    },
 )
 CAMERAS: Registry[CameraSection, Camera] = Registry(
     "camera", "litrig.cameras", CameraSection, {"v4l2": "rig.camera.driver:CAMERA"}, "v4l2"

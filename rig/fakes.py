@@ -116,11 +116,12 @@ class FakeLights:
     """Fits `rig.devices.Lights`."""
 
     lamp: int | None = None
+    lamps: int = 1
 
     def check(self, lamp: int) -> None:
-        """Refuse any lamp but the first."""
-        if lamp != 0:
-            raise OutOfRangeError(f"lights: lamp {lamp} does not exist; this rig has lamp 0 only")
+        """Refuse a lamp beyond the last."""
+        if lamp not in range(self.lamps):
+            raise OutOfRangeError(f"lights: lamp {lamp} does not exist; this rig has lamps 0..{self.lamps - 1}")
 
     def switch_on(self, lamp: int = 0) -> None:
         """Remember the lamp."""

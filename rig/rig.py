@@ -6,11 +6,15 @@ from enum import StrEnum
 from types import TracebackType
 from typing import Self, TypeVar
 
+from litrig.base.directions import F64, angle_between_deg, direction_from_angles
 from rig.clock import Clock, MonotonicClock
 from rig.config import RigConfig
 from rig.devices import ArmPose, Camera, LightArm, Lights, Shot, Turntable, TurntablePose
 from rig.drivers import ARMS, CAMERAS, LIGHTS, TURNTABLES, Bench
-from rig.errors import PositionLostError, RigError
+from rig.errors import OutOfRangeError, PositionLostError, RigError
+
+DOME_TOLERANCE_DEG = 0.01
+"""How far a wanted direction may be from the lamp's own: both come from the same RIG.toml, but for rounding."""
 
 
 class RigState(StrEnum):
@@ -81,10 +85,29 @@ class Rig:
         """The camera; an error if the rig has none."""
         return _present(self._camera, "camera")
 
+    @property
+    def directions_deg(self) -> tuple[tuple[float, float], ...]:
+        """Azimuth and elevation of each lamp of a dome; empty if the lamp rides on the arm."""
+        return () if self.config.lights is None else self.config.lights.directions_deg
+
+    @property
+    def has_dome(self) -> bool:
+        """Whether each lamp has its place, and none rides on the arm."""
+        return bool(self.directions_deg)
+
+    def nearest_lamp(self, direction: F64) -> int:
+        """Return the lamp of a dome whose direction is nearest to a vector (3,) in the view frame."""
+        off_deg = [angle_between_deg(direction, direction_from_angles(*angles)) for angles in self.directions_deg]
+        return off_deg.index(min(off_deg))
+
     def home(self) -> None:
         """Home whatever moves, lamps dark."""
         if self._arm is None and self._turntable is None:
             raise RigError("this rig has nothing that moves: RIG.toml has neither [turntable] nor [arm]")
+        self.get_ready()
+
+    def get_ready(self) -> None:
+        """Home whatever moves, if anything does; lamps dark."""
         self.position_known = False  # until it ends well
         with self._doing(RigState.MOVING):
             if self._arm is not None:
@@ -102,11 +125,47 @@ class Rig:
             self._moving = self.turntable
             return self.turntable.move_to(angle_deg)
 
-    def light_from(self, azimuth_deg: float, elevation_deg: float) -> ArmPose:
-        """Move the arm's lamp."""
-        with self._doing(RigState.MOVING):
-            self._moving = self.arm
-            return self.arm.move_to(azimuth_deg, elevation_deg)
+    def check_light(self, azimuth_deg: float, elevation_deg: float, lamp: int) -> None:
+        """Refuse a light that cannot be had: out of the arm's reach, or not where that lamp of the dome hangs.
+
+        Raises
+        ------
+        OutOfRangeError, RigError
+            Nothing was sent.
+        """
+        self.lights.check(lamp)
+        if not self.has_dome:
+            if self._arm is None:
+                raise RigError(
+                    "this rig has no arm, and its lamps have no directions; add [arm] to RIG.toml, or azimuth_deg and "
+                    "elevation_deg to each [[lights.lamp]]"
+                )
+            self.arm.check(azimuth_deg, elevation_deg)
+            return
+        here = self.locate_light(lamp)
+        off_deg = angle_between_deg(
+            direction_from_angles(azimuth_deg, elevation_deg),
+            direction_from_angles(here.azimuth_deg, here.elevation_deg),
+        )
+        if not off_deg <= DOME_TOLERANCE_DEG:
+            raise OutOfRangeError(
+                f"lights: lamp {lamp} hangs at azimuth {here.azimuth_deg:g}°, elevation {here.elevation_deg:g}°, not "
+                f"at {azimuth_deg:g}°, {elevation_deg:g}°; ask for its own direction"
+            )
+
+    def light_from(self, azimuth_deg: float, elevation_deg: float, lamp: int = 0) -> ArmPose:
+        """Light a lamp: that of the arm, brought to a direction, or one of a dome, which hangs there."""
+        self.check_light(azimuth_deg, elevation_deg, lamp)
+        if not self.has_dome:
+            with self._doing(RigState.MOVING):
+                self._moving = self.arm
+                self.arm.move_to(azimuth_deg, elevation_deg)
+        self.lights.switch_on(lamp)
+        return self.locate_light(lamp)
+
+    def locate_light(self, lamp: int = 0) -> ArmPose:
+        """Tell where a lamp is: ask the arm, or look up the dome."""
+        return ArmPose(*self.directions_deg[lamp]) if self.has_dome else self.arm.locate()
 
     def expose(self, not_before_s: float) -> Shot:
         """Take a picture."""

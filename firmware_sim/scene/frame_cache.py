@@ -82,7 +82,7 @@ class FrameCache:
 
     def path(self, pose: Pose, size: Size) -> Path:
         """Return the file of a picture, there or not. The pose is one that `standard` gives."""
-        name = "_".join(f"{value:.3f}" for value in pose)
+        name = "_".join(f"{value:.3f}" for value in pose[:4])
         return self._folder / f"{size[1]}x{size[0]}" / f"{name}.npy"
 
     def _trim(self) -> None:

@@ -1,7 +1,7 @@
 """What moves before the camera, at one instant."""
 
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +9,14 @@ from numpy.typing import NDArray
 F32 = NDArray[np.float32]
 Size = tuple[int, int]
 """Height and width of a picture in pixels."""
+
+
+class LitLamp(NamedTuple):
+    """A lamp of a dome that shines: where from, as `Pose` has it, and how brightly, 1 for the arm's at full power."""
+
+    azimuth_deg: float
+    elevation_deg: float
+    power: float
 
 
 class Pose(NamedTuple):
@@ -19,12 +27,21 @@ class Pose(NamedTuple):
     turntable_deg : counter-clockwise as the camera sees it
     azimuth_deg, elevation_deg : of the lamp on the arm, in the view frame (x right, y up, z to the camera)
     lamp : 0..1 of full power
+    dome : the lamps of a dome that shine
     """
 
     turntable_deg: float
     azimuth_deg: float
     elevation_deg: float
     lamp: float
+    dome: tuple[LitLamp, ...] = ()
+
+    @classmethod
+    def from_json(cls, values: Sequence[Any]) -> Self:
+        """Return a pose that came over the side channel."""
+        turntable_deg, azimuth_deg, elevation_deg, lamp, *rest = values
+        dome = tuple(LitLamp(*values) for lamps in rest for values in lamps)
+        return cls(turntable_deg, azimuth_deg, elevation_deg, lamp, dome)
 
 
 class PlannedPose(NamedTuple):

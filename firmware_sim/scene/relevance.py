@@ -27,7 +27,7 @@ class Relevance(NamedTuple):
     def of(self, pose: Pose) -> Pose:
         """Return the pose without what does not matter; a scene with lights of its own sees a lamp of power 1."""
         turntable_deg = pose.turntable_deg if self.turntable else 0.0
-        return Pose(turntable_deg, *pose[1:]) if self.arm else Pose(turntable_deg, 0.0, 0.0, 1.0)
+        return pose._replace(turntable_deg=turntable_deg) if self.arm else Pose(turntable_deg, 0.0, 0.0, 1.0)
 
 
 def standard(pose: Pose) -> Pose:

@@ -1,4 +1,4 @@
-"""A worn bronze coin under the lamp of the light arm, seen from above by an orthographic camera.
+"""A worn bronze coin under the light arm's lamp or those of a dome, seen from above by an orthographic camera.
 
 Light is Lambert and a modest GGX gloss; shadows are exact for distant light. To find them, the heights are turned so
 that the light comes along the rows: a place lies in shadow if, towards the light, h − x·tan(elevation) is anywhere
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_sim.config import ReliefScene
-from firmware_sim.scene.pose import F32, Pose, Size
+from firmware_sim.scene.pose import F32, LitLamp, Pose, Size
 
 U8 = NDArray[np.uint8]
 REFERENCE_HEIGHT = 480
@@ -46,10 +46,11 @@ class Relief:
     def _view(self, pose: Pose) -> F32:
         coin = _turn(self._coin, pose.turntable_deg if self._config.turns else 0.0, self._size)
         heights, albedo = np.ascontiguousarray(coin[..., 3]), coin[..., :3]
-        dim = albedo * np.float32(AMBIENT)
-        if not pose.lamp:
-            return dim
-        return dim + np.float32(pose.lamp) * shade(heights, albedo, pose.azimuth_deg, pose.elevation_deg)
+        light = albedo * np.float32(AMBIENT)
+        for azimuth_deg, elevation_deg, power in (LitLamp(*pose[1:4]), *pose.dome):
+            if power:
+                light = light + np.float32(power) * shade(heights, albedo, azimuth_deg, elevation_deg)
+        return light
 
 
 def light_direction(azimuth_deg: float, elevation_deg: float) -> F32:

@@ -7,6 +7,7 @@ from firmware_sim.config import ReliefScene, SimConfig, SphereScene, read_sim
 from firmware_sim.errors import SimConfigError
 from firmware_sim.mitsuba.config import MitsubaScene
 from firmware_sim.rig_toml import rig_toml
+from firmware_sim.udmx.config import DomeSim
 from tests.firmware_sim.conftest import ROOT
 
 EXAMPLES = ROOT / "examples"
@@ -16,7 +17,7 @@ def test_the_amc_example_states_every_default() -> None:
     path = EXAMPLES / "sim-amc.toml"
     assert read_sim(path) == SimConfig()
     stated = tomllib.loads(path.read_text("utf-8"))
-    assert stated.keys() == SimConfig.model_fields.keys() - {"stepper"}, "a stepper takes the servo's place"
+    assert stated.keys() == SimConfig.model_fields.keys() - {"dome", "stepper"}, "a stepper takes the servo's place"
     for name, table in stated.items():
         assert table.keys() == type(getattr(SimConfig(), name)).model_fields.keys()
 
@@ -39,7 +40,22 @@ def test_a_stepper_is_described_in_the_servos_place(stepper: dict[str, object], 
     assert "dynamixel" not in text
 
 
+def test_the_dome_example_states_every_default_of_a_dome() -> None:
+    path = EXAMPLES / "sim-dome.toml"
+    config = read_sim(path)
+    assert config.dome == DomeSim()
+    stated = tomllib.loads(path.read_text("utf-8"))["dome"]
+    assert stated.keys() == DomeSim.model_fields.keys() - {"swapped"}
+
+
 BROKEN = [
+    ("[dome]", "a [dome] lights the scene of kind relief only", "a dome over a sphere"),
+    (
+        "[dome]\nlamps = 9\ndead = [9]\n[scene]\nkind = 'relief'",
+        "there are lamps 0..8 only",
+        "a lamp that is not there",
+    ),
+    ("[dome]\nlamps = 300\nsixteen_bit = true\n[scene]\nkind = 'relief'", "more than 512 slots", "too many lamps"),
     ("[turntable]\nidd = 1", "unknown key 'turntable.idd'; remove it or mend its spelling", "a misspelt key"),
     ("[turntable]\nbaud = 1234", "turntable.baud: Input should be", "a speed that no servo has"),
     ("[camera]\nexposure_ms = 0", "camera.exposure_ms: Input should be greater", "no exposure"),

@@ -15,6 +15,8 @@ from rig.fakes import FakeArm, FakeCamera, FakeClock, FakeLights, FakeTurntable
 from rig.rig import Rig, open_rig
 from tests.rig.grbl.bench import QUICK
 
+RELIEF = {"scene": {"kind": "relief"}}
+
 
 @contextmanager
 def simulated(kind: str, *parts: str) -> Iterator[Rig]:
@@ -47,13 +49,14 @@ def arm(request: pytest.FixtureRequest) -> Iterator[LightArm]:
         yield rig.arm
 
 
-@pytest.fixture(params=["fake", "GRBL spindle", "always on"])
+@pytest.fixture(params=["fake", "GRBL spindle", "uDMX", "always on"])
 def lights(request: pytest.FixtureRequest) -> Iterator[Lights]:
     if request.param == "fake":
         yield FakeLights()
         return
-    with simulated("relief" if request.param == "GRBL spindle" else "brushed-sphere", "arm", "lights") as rig:
-        rig.home()
+    described = {"GRBL spindle": RELIEF, "uDMX": {**RELIEF, "dome": {}}, "always on": {}}[request.param]
+    with simulated_rig(SimConfig.model_validate(described)) as sim, opened(sim, "arm", "lights") as rig:
+        rig.get_ready()
         yield rig.lights
 
 

@@ -6,13 +6,15 @@ import pytest
 
 from firmware_sim.config import SimConfig, read_sim
 from litrig.base.pictures import read_codes
-from tests.system.command import litrig
+from tests.system.command import error_line, litrig
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 CAPTURES = EXAMPLES / "captures"
+ARM_DB = 32.0
+"""How well a PTM fits the sample that was shot with the light arm."""
 
 
-@pytest.mark.parametrize("name", ["sim-amc.toml", "sim-ptm.toml"])
+@pytest.mark.parametrize("name", ["sim-amc.toml", "sim-ptm.toml", "sim-dome.toml"])
 def test_a_command_moves_the_simulated_rig(name: str) -> None:
     result = litrig("sim", "run", EXAMPLES / name, "--", "sh", "-c", 'litrig rig move "$LITRIG_RIG" --angle -30.5')
     assert result.returncode == 0, result.stderr
@@ -34,6 +36,32 @@ def test_a_picture_is_taken_and_a_light_is_lit(tmp_path: Path) -> None:
     assert "lamp 0 lit at azimuth 60.00°, elevation 55.00°" in result.stdout
     dark, lit, parked = (read_codes(tmp_path / name).mean() for name in ("dark.jpg", "lit.png", "parked.png"))
     assert lit > 5 * max(dark, parked)
+
+
+def test_a_dome_lights_its_nearest_lamp_and_its_ptm_fits_as_well_as_the_arms(tmp_path: Path) -> None:
+    text = (EXAMPLES / "sim-dome.toml").read_text(encoding="utf-8")
+    small = text.replace("lamps = 24", "lamps = 12") + "\n[camera]\nwidth = 320\nheight = 240\n"
+    (tmp_path / "sim.toml").write_text(small, encoding="utf-8")
+    script = (
+        'litrig rig light "$LITRIG_RIG" --azimuth 305 --elevation 28 && litrig rig light "$LITRIG_RIG" --lamp 5 && '
+        'litrig rig park "$LITRIG_RIG" && litrig capture ptm "$LITRIG_RIG" -o coin --lights 12 && '
+        'litrig rig light "$LITRIG_RIG" --lamp 12'
+    )
+    result = litrig("sim", "run", tmp_path / "sim.toml", "--", "sh", "-c", f"cd {tmp_path} && {script}")
+    assert result.returncode == 1, result.stderr
+    assert error_line(result) == "litrig: lights: lamp 12 does not exist; this rig has lamps 0..11"
+    nearest, fifth, *_ = result.stdout.splitlines()
+    assert nearest == "lamp 3 lit at azimuth 307.48°, elevation 27.71°, 2.2° from what was asked for"
+    assert fifth.startswith("lamp 5 lit at azimuth 32.46°")
+    fitted = litrig("ptm", "fit", tmp_path / "coin", "-o", tmp_path / "coin.ptm").stdout
+    assert float(fitted.split()[1]) > ARM_DB, fitted
+
+
+@pytest.mark.parametrize("arguments", [[], ["--azimuth", "3"]], ids=["neither lamp nor direction", "half a direction"])
+def test_a_light_from_nowhere_is_wrong_usage(arguments: list[str]) -> None:
+    result = litrig("rig", "light", EXAMPLES / "rig.toml", *arguments)
+    assert result.returncode == 2
+    assert "give --azimuth and --elevation, or --lamp of a dome" in result.stderr
 
 
 @pytest.mark.parametrize("name", ["brushed", "relief"])
