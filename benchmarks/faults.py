@@ -19,7 +19,26 @@ from typing import cast
 import tests.faults
 from tests.faults.outcome import Outcome, Scale
 
-FULL = Scale(trials=10_000)
+TRIALS = 10_000
+SLOW = {
+    "fault_14_wrong_baud": 6,
+    "fault_15_id_clash": 200,
+    "fault_16_wrong_model": 6,
+    "fault_17_arm_unplugged": 10,
+    "fault_19_permission_denied": 20,
+    "fault_20_port_held": 1000,
+    "fault_21_second_litrig": 10,
+    "fault_22_arm_power_loss": 10,
+    "fault_24_lamps_refused": 300,
+    "fault_24_lamps_through_drop_outs": 300,
+    "fault_24_lamps_through_stalls": 300,
+    "fault_35_disk_too_small": 50,
+    "fault_35_read_only_folder": 5,
+    "fault_36_lamp_of_a_killed_host": 5,
+    "fault_40_arm_hard_limit": 10,
+    "fault_40_arm_stopped_by_signals": 20,
+}
+"""How often cases are tried of which each trial starts a rig, a command or a process."""
 Case = Callable[[Scale], Outcome]
 
 TEXT = """# Faults: what goes wrong, and what comes of it
@@ -52,7 +71,7 @@ def row(number: int, case: Case) -> tuple[str, bool]:
     """Try a case, and describe it; one that breaks off has missed its goal."""
     start_s = time.monotonic()
     try:
-        outcome = case(FULL)
+        outcome = case(Scale(SLOW.get(case.__name__, TRIALS)))
     except Exception as error:  # the other faults are to be tried all the same
         outcome = Outcome(0, 0, f"broke off: {type(error).__name__}: {error}", passed=False)
     what = (inspect.getdoc(case) or "").splitlines()[0]
