@@ -177,7 +177,7 @@ class SpindleLampConfig(LightsSection):
     """Spindle speed S that gives the wanted brightness (GRBL's $30 is full power)."""
     warm_up_s: float = Field(default=0.0, ge=0)
     """How long the lamp needs until its light is steady."""
-    timeout_s: float = Field(default=60.0, ge=0, le=3600)
+    timeout_s: float = Field(default=60.0, ge=0, le=3000)
     """After so long the controller puts the lamp out by itself, should the host be dead; 0 lets it burn on.
 
     Unless it is 0, the lamp is dark while the arm moves, and warms up again at each pose.

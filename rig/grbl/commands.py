@@ -42,9 +42,7 @@ class Help:
 
 @dataclass(frozen=True)
 class Home:
-    """The homing cycle, of all axes that have one or of a single axis (which some builds know)."""
-
-    axis: Axis | None = None
+    """The homing cycle, of all axes that have one."""
 
 
 @dataclass(frozen=True)
@@ -134,8 +132,8 @@ def _text(command: Command) -> str:
     match command:
         case Help():
             return "$"
-        case Home(axis):
-            return f"$H{_axis(axis) if axis else ''}"
+        case Home():
+            return "$H"
         case Unlock():
             return "$X"
         case Sleep():

@@ -10,7 +10,7 @@ from tests.faults.outcome import Outcome, Scale
 CASES: list[tuple[Callable[[Scale], Outcome], int]] = [
     (arm.fault_01_arm_flipped_bits, 500),
     (arm.fault_02_arm_dropped_bytes, 1),
-    (arm.fault_05_arm_late_answers, 30),
+    (arm.fault_05_arm_late_answers, 20),
     (arm.fault_12_goals_out_of_range, 100),
     (arm.fault_13_keep_out_zones, 40),
     (arm.fault_17_arm_unplugged, 3),

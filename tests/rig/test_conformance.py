@@ -13,13 +13,17 @@ from rig.config import read_rig
 from rig.devices import Camera, LightArm, Lights, Turntable
 from rig.fakes import FakeArm, FakeCamera, FakeClock, FakeLights, FakeTurntable
 from rig.rig import Rig, open_rig
+from tests.rig.grbl.bench import QUICK
 
 RELIEF = {"scene": {"kind": "relief"}}
 
 
 @contextmanager
 def simulated(kind: str, *parts: str) -> Iterator[Rig]:
-    with simulated_rig(SimConfig.model_validate({"scene": {"kind": kind}})) as sim, opened(sim, *parts) as rig:
+    with (
+        simulated_rig(SimConfig.model_validate({"scene": {"kind": kind}, "arm": {"settings": QUICK}})) as sim,
+        opened(sim, *parts) as rig,
+    ):
         yield rig
 
 
