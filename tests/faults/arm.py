@@ -7,6 +7,7 @@ import random
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -17,13 +18,15 @@ import numpy as np
 from firmware_sim.config import SimConfig
 from firmware_sim.grbl.config import GrblFaults
 from firmware_sim.launch import RunningSim, simulated_rig
+from firmware_sim.server import LINKS_NAME
+from firmware_sim.side_channel import SideChannel
 from rig.clock import MonotonicClock
-from rig.config import RigConfig
+from rig.config import RigConfig, read_rig
 from rig.devices import ArmPose
 from rig.errors import DeviceError, LinkError, LinkTimeoutError, OutOfRangeError, PositionLostError, RigError
 from rig.grbl.arm import GrblArm
 from rig.grbl.controller import GrblController
-from rig.rig import Rig, RigState
+from rig.rig import Rig, RigState, open_rig
 from tests.faults.outcome import Outcome, Scale
 from tests.rig.grbl.bench import BAUD, QUICK, Bench, LoopPort
 from tests.system.command import start
@@ -35,6 +38,7 @@ POST = {"name": "camera post", "azimuth_deg": (80, 100), "elevation_deg": (20, 6
 TOWER = {"name": "tower", "azimuth_deg": (230, 260), "elevation_deg": (0, 45)}
 PATIENCE_S = 60.0
 LAMP_S = 1.5
+PARTS = frozenset({"arm", "lights"})
 _LIGHT_AND_WAIT = """
 import sys
 from pathlib import Path
@@ -167,6 +171,32 @@ def fault_17_arm_unplugged(campaign: Scale) -> Outcome:
     return Outcome(campaign.trials, wrong, "on hold; moves only after homing on the new port", passed=wrong == 0)
 
 
+def fault_18_arm_replugged_on_the_wire(campaign: Scale) -> Outcome:
+    """Pull the adapter of a real port in a move: told at once; by its link it is found under another name."""
+    wrong, slowest_s = 0, 0.0
+    with _lit_rig() as sim:
+        config = _by_its_link(sim)
+        for _ in range(campaign.trials):
+            rig = open_rig(config, use=PARTS)
+            rig.home()
+            before = sim.side_channel.status()["wires"]["arm"]["port"]
+            pulled_s: list[float] = []
+            timer = threading.Timer(0.4, partial(_pull, sim, pulled_s))
+            timer.start()
+            told = _raises(LinkError, partial(_light_and_hold, rig))
+            timer.join()
+            slowest_s = max(slowest_s, time.monotonic() - pulled_s[0])
+            after = sim.side_channel.request("arm.replug")["port"]
+            with open_rig(config, use=PARTS) as again:
+                again.home()
+                again.light_from(40, 40)
+            status = sim.side_channel.status()
+            right = abs(status["azimuth_deg"] - 40) < CLOSE_DEG and abs(status["elevation_deg"] - 40) < CLOSE_DEG
+            wrong += not (told and rig.state is RigState.HOLD and right and before != after) or slowest_s > 1.0
+    detail = f"told {slowest_s:.3f} s after; homed and right on the new port"
+    return Outcome(campaign.trials, wrong, detail, passed=wrong == 0)
+
+
 def fault_22_arm_power_loss(campaign: Scale) -> Outcome:
     """Cut the supply of the controller in the middle of a move or at rest: told as a lost position before a frame."""
     wrong = 0
@@ -284,6 +314,25 @@ def _cut_and_look(bench: Bench, arm: GrblArm, cut_s: float) -> None:
         bench.sim.lose_power(0.2)
         bench.clock.sleep(0.5)
     arm.locate()
+
+
+def _by_its_link(sim: RunningSim) -> RigConfig:
+    """Name the arm's port as udev does, by what does not change when it is plugged in again."""
+    config = read_rig(sim.rig_toml)
+    assert config.arm is not None
+    link = sim.rig_toml.parent / LINKS_NAME / "arm"
+    return config.model_copy(update={"arm": config.arm.model_copy(update={"port": str(link)})})
+
+
+def _light_and_hold(rig: Rig) -> None:
+    with rig:
+        rig.light_from(20, 20)
+
+
+def _pull(sim: RunningSim, pulled_s: list[float]) -> None:
+    with SideChannel(sim.side_channel.path) as channel:  # a connection is for one thread
+        channel.request("arm.unplug")
+    pulled_s.append(time.monotonic())
 
 
 def _stop_a_move(sim: RunningSim, number: int) -> tuple[float, bool]:

@@ -14,6 +14,7 @@ CASES: list[tuple[Callable[[Scale], Outcome], int]] = [
     (arm.fault_12_goals_out_of_range, 100),
     (arm.fault_13_keep_out_zones, 40),
     (arm.fault_17_arm_unplugged, 3),
+    (arm.fault_18_arm_replugged_on_the_wire, 1),
     (arm.fault_22_arm_power_loss, 6),
     (arm.fault_40_arm_hard_limit, 3),
     (arm.fault_40_arm_stopped_by_signals, 2),
