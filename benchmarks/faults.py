@@ -21,6 +21,11 @@ from tests.faults.outcome import Outcome, Scale
 
 TRIALS = 10_000
 SLOW = {
+    "fault_02_arm_dropped_bytes": 500,
+    "fault_05_arm_late_answers": 2000,
+    "fault_12_goals_out_of_range": 2000,
+    "fault_13_keep_out_zones": 1000,
+    "fault_18_arm_under_another_name": 3,
     "fault_14_wrong_baud": 6,
     "fault_15_id_clash": 200,
     "fault_16_wrong_model": 6,

@@ -35,6 +35,7 @@ AUTO_EXPOSURE = 3
 BLUR_PX_A_STEP = 0.08
 """Blur of a picture of 480 rows, for each step of the focus control off the best."""
 NAP_S = 0.004
+ASK_S = 1.0
 READOUT_S = 0.002
 CONTROL_UNIT_S = 1e-4
 
@@ -66,6 +67,7 @@ class Studio:
     channel : tells where the devices were
     clock : the time that pictures are stamped with
     wait : lets seconds pass
+    is_held : whether a client has the camera; one that was killed has not said that it wants no more pictures
     """
 
     def __init__(
@@ -76,12 +78,14 @@ class Studio:
         channel: Requests,
         clock: Clock = monotonic_s,
         wait: Callable[[float], None] = wait_for_the_parent,
+        is_held: Callable[[], bool] = lambda: True,
     ) -> None:
         self._config = config
         self._shared = shared
         self._channel = channel
         self._clock = clock
         self._wait = wait
+        self._is_held, self._asked_s = is_held, clock()
         self._scene = scene
         self._sensor = Sensor(config.full_well_electrons, config.read_noise_electrons, config.seed)
         self._auto = AutoExposure()
@@ -103,6 +107,11 @@ class Studio:
         if not self._shared["streaming"] or self._shared["unplugged"] or self._shared["hang"]:
             self._wait(NAP_S)
             return
+        if self._clock() - self._asked_s > ASK_S:
+            self._asked_s = self._clock()
+            if not self._is_held():
+                self._shared["streaming"] = 0
+                return
         shot = self._begin()
         self._wait_until(shot.start_s + shot.time_s + READOUT_S)
         poses = self._poses(shot.instants_s)
@@ -205,7 +214,7 @@ def main() -> None:
     try:
         with SharedFrame(arguments.frames) as shared, SideChannel(arguments.channel) as channel:
             scene = _scene(config, arguments.variant, arguments.cache, channel)
-            studio = Studio(config.camera, scene, shared, channel)
+            studio = Studio(config.camera, scene, shared, channel, is_held=shared.is_held)
             studio.warm_up()
             while True:
                 studio.work()

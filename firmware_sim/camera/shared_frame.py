@@ -5,6 +5,7 @@ shim, in the client's process, writes what the client asked for. `sequence` is a
 written, so that a reader takes the picture only if it read the same even number before and after.
 """
 
+import fcntl
 import mmap
 import os
 import struct
@@ -77,6 +78,7 @@ class SharedFrame:
     """The simulator's end of the shared memory. Who creates the file closes it last."""
 
     def __init__(self, path: Path, *, create: bool = False) -> None:
+        self._path = path
         handle = os.open(path, os.O_RDWR | (os.O_CREAT | os.O_EXCL if create else 0), 0o600)
         try:
             if create:
@@ -102,6 +104,15 @@ class SharedFrame:
     def __setitem__(self, name: str, value: int) -> None:
         place, packer = _OFFSETS[name]
         packer.pack_into(self._memory, place, value)
+
+    def is_held(self) -> bool:
+        """Tell whether a client has the camera: its lock goes with it, also when it is killed."""
+        with self._path.open("rb") as file:
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                return True
+        return False
 
     def wish(self) -> Wish:
         values = {name: self[name] for name in Wish.__dataclass_fields__ if name != "streaming"}

@@ -14,6 +14,7 @@ from firmware_sim.scene.pose import Pose
 from firmware_sim.scene.sensor import Exposure, Sensor
 from tests.firmware_sim.conftest import Client
 from tests.firmware_sim.ports import turntable_of
+from tests.firmware_sim.test_launch import eventually
 
 
 def test_frames_come_with_rising_times_of_their_exposure(client: Client) -> None:
@@ -191,6 +192,13 @@ def test_a_killed_client_leaves_the_camera_free(client: Client) -> None:
         talk.hear()
         assert client.run("say(opened=opened().isOpened())") == {"opened": False}
     assert client.run("camera = opened(); say(read=camera.read()[0])") == {"read": True}
+
+
+def test_a_killed_client_wants_no_more_pictures(client: Client, sphere: RunningSim) -> None:
+    with client.talk("camera = opened(); camera.read(); say(ready=True); sys.stdin.read()") as talk:
+        talk.hear()
+        assert sphere.side_channel.status()["camera"]["streaming"]
+    assert eventually(lambda: not sphere.side_channel.status()["camera"]["streaming"])
 
 
 def test_a_child_of_the_client_does_not_close_its_camera(client: Client) -> None:
