@@ -25,7 +25,7 @@ SLOW = {
     "fault_05_arm_late_answers": 2000,
     "fault_12_goals_out_of_range": 2000,
     "fault_13_keep_out_zones": 1000,
-    "fault_18_arm_under_another_name": 3,
+    "fault_18_arm_replugged_on_the_wire": 3,
     "fault_14_wrong_baud": 6,
     "fault_15_id_clash": 200,
     "fault_16_wrong_model": 6,

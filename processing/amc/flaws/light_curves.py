@@ -43,17 +43,21 @@ def light_curves(slices: F32, turns_rad: F64, valid: Mask, still: Mask) -> F32:
         harmonics 1..M; natural logarithms, so that 0.01 is one per cent
     """
     highest = min(MOST_HARMONICS, len(slices) // 4)
-    dark = _DARK_SHARE * np.median(slices[:, valid][:: max(1, len(slices) // 32)], axis=(0, 1)) + 1e-6
+    dark = _DARK_SHARE * np.median(slices[:: max(1, len(slices) // 32)][:, valid], axis=(0, 1)) + 1e-6
     replace = _nearest(valid & ~still)
-    at_rest = np.zeros((len(slices), LEVELS, *valid.shape), np.float32)
-    for maps, slice_, turn_rad in zip(at_rest, slices, turns_rad, strict=True):
+    phases = np.arange(1, highest + 1)[:, None] * turns_rad
+    waves = np.sqrt(2) * np.concatenate([np.cos(phases), np.sin(phases)]).astype(np.float32)
+    curves = np.zeros((LEVELS + len(waves), *valid.shape), np.float32)
+    for slice_, turn_rad, wave in zip(slices, turns_rad, waves.T, strict=True):
         logarithm = np.log(np.maximum(slice_[replace], 0) + dark).astype(np.float32)
         red, green, blue = cv2.split(turn(logarithm, -float(turn_rad)))
-        maps[:] = (red + green + blue) / 3, red - green, blue - green
-    phases = np.arange(1, highest + 1)[:, None] * turns_rad
-    waves = (np.sqrt(2) * np.concatenate([np.cos(phases), np.sin(phases)]) / len(slices)).astype(np.float32)
-    lightness = at_rest[:, 0].reshape(len(slices), -1)
-    return np.concatenate([at_rest.mean(axis=0), (waves @ lightness).reshape(-1, *valid.shape)])
+        lightness = (red + green + blue) / 3
+        for level, light in zip(curves, (lightness, red - green, blue - green), strict=False):
+            level += light
+        for harmonic, share in zip(curves[LEVELS:], wave, strict=True):
+            cv2.scaleAdd(lightness, float(share), harmonic, harmonic)
+    curves /= np.float32(len(slices))
+    return curves
 
 
 def local_fit(curves: F32, weights: F32, sigma: float) -> F32:
