@@ -77,7 +77,9 @@ CASES = [
     pytest.param(["rig", "home", UNKNOWN_KEY], "unknown key 'turntabel'", id="rig home, unknown key"),
     pytest.param(["rig", "park", NO_CAMERA], "ttyNOWHERE: no such port", id="rig park, no port"),
     pytest.param(["rig", "move", NO_CAMERA, "--angle", "1"], "ttyNOWHERE: no such port", id="rig move, no port"),
-    pytest.param(["rig", "light", NO_CAMERA, "--azimuth", "0", "--elevation", "45"], "no arm", id="rig light, no arm"),
+    pytest.param(
+        ["rig", "light", NO_CAMERA, "--azimuth", "0", "--elevation", "45"], "no lights", id="rig light, no lights"
+    ),
     pytest.param(
         ["rig", "snap", NO_CAMERA, "-o", missing("a.png")], "video97: cannot be opened", id="rig snap, no camera"
     ),

@@ -40,26 +40,43 @@ def fill(slices: F32, marked: Mask, angles_rad: F64, valid: Mask) -> F32:
     filled : (N, S, S, 3) float32; what is not marked comes back bit for bit
     """
     filled = slices.copy()
-    hidden = marked & valid
-    if hidden.any() and not hidden[:, valid].all():
-        model = learn(slices, hidden, angles_rad, valid)
-        variances = _fill_over_turn(filled, hidden, model)
-        neighbours = _roughness(slices, hidden, model, valid)
-        neighbours *= (_depths(hidden | ~valid) / _LAG_PX) ** 2
-        _fill_over_sphere(filled, variances, neighbours, valid)
+    fill_in_place(filled, marked, angles_rad, valid)
     return filled
 
 
+def fill_in_place(slices: F32, marked: Mask, angles_rad: F64, valid: Mask) -> None:
+    """Replace marked values by estimates, as `fill`, in the slices themselves."""
+    hidden = marked & valid
+    if not hidden.any() or hidden[:, valid].all():
+        return
+    model = learn(slices, hidden, angles_rad, valid)
+    texels, variances = _fill_over_turn(slices, hidden, model)
+    noises = model.noises[model.ring].astype(np.float32)
+    n_x, n_y = texel_plane(len(valid))
+    normals = np.stack([n_x, n_y, np.sqrt(np.maximum(1 - n_x**2 - n_y**2, 0))], axis=-1)
+    variance = np.zeros(valid.shape, np.float32)
+    for slice_, holes, of_texels in zip(slices, hidden, variances.T, strict=True):
+        if of_texels.any():
+            variance.ravel()[texels] = of_texels
+            theirs = _roughness(slice_, valid & ~holes, noises)
+            theirs *= (_depths(holes | ~valid) / np.float32(_LAG_PX)) ** 2
+            _fill_over_sphere(slice_, variance, theirs, normals, valid)
+
+
 def _depths(unknown: Mask) -> F32:
-    """Give the distance of every value to the nearest known one in its slice, in texels."""
-    depths = np.zeros(unknown.shape, np.float32)
-    for slice_depths, holes in zip(depths, unknown, strict=True):
-        slice_depths[:] = cv2.distanceTransform(holes.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    return depths
+    """Give the distance of every texel to the nearest known one, (S, S) in texels."""
+    depths = cv2.distanceTransform(unknown.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    return np.asarray(depths, np.float32)
 
 
-def _fill_over_turn(filled: F32, hidden: Mask, model: TurnModel) -> F32:
-    """Fill in place from the other slices; return the variance beyond the noise, (N, S, S), in light squared."""
+def _fill_over_turn(filled: F32, hidden: Mask, model: TurnModel) -> tuple[NDArray[np.intp], F32]:
+    """Fill in place from the other slices.
+
+    Returns
+    -------
+    texels : (T,) which texels have anything hidden
+    beyond : (T, N) variance of what was filled beyond the noise, in light squared; 0 where nothing was
+    """
     count = len(filled)
     light, marks = filled.reshape(count, -1, 3), hidden.reshape(count, -1)
     texels = np.flatnonzero(marks.any(axis=0))
@@ -69,41 +86,32 @@ def _fill_over_turn(filled: F32, hidden: Mask, model: TurnModel) -> F32:
     light[:, texels] = some.swapaxes(0, 1)
     # Where the model fits badly (a sharp highlight), its estimates are as much worse than it thinks.
     variances *= np.maximum(model.misfit(some, places, ring), _LEAST_MISFIT)[:, None]
-    beyond = np.zeros(marks.shape, np.float32)
-    beyond[:, texels] = np.where(places, np.maximum(variances - model.noises[ring, None], 0), 0).T
-    return beyond.reshape(hidden.shape)
+    return texels, np.where(places, np.maximum(variances - model.noises[ring, None], 0), 0).astype(np.float32)
 
 
-def _roughness(slices: F32, hidden: Mask, model: TurnModel, valid: Mask) -> F32:
-    """Give by how much (mean square, beyond the noise) values around differ from their neighbours; (N, S, S)."""
-    size, lag = len(valid), _LAG_PX
+def _roughness(slice_: F32, known: Mask, noises: F32) -> F32:
+    """Give by how much (mean square, beyond the noise) values around differ from their neighbours; (S, S)."""
+    size, lag = len(known), _LAG_PX
     inner = slice(lag, size - lag)
     sides = [(slice(0, size - 2 * lag), inner), (slice(2 * lag, size), inner)]
     sides += [(columns, rows) for rows, columns in sides]
-    noises = model.noises[model.ring].astype(np.float32)
     window = 2 * (size // 16) + 5
-    rough = np.zeros(hidden.shape, np.float32)
-    for out, slice_, holes in zip(rough, slices, hidden, strict=True):
-        known = valid & ~holes
-        squares, asked = np.zeros((2, size, size), np.float32)
-        asked[inner, inner] = known[inner, inner] & np.logical_and.reduce([known[side] for side in sides])
-        off = slice_[inner, inner] - sum(slice_[side] for side in sides) / 4
-        squares[inner, inner] = np.mean(off**2, axis=-1)
-        near = cv2.boxFilter(squares * asked, -1, (window, window), borderType=cv2.BORDER_CONSTANT)
-        counts = cv2.boxFilter(asked, -1, (window, window), borderType=cv2.BORDER_CONSTANT)
-        out[:] = np.where(counts > 0, near / np.maximum(counts, 1e-6), (squares * asked).sum() / max(asked.sum(), 1))
-    return np.maximum(rough - np.float32(1.25) * noises, noises / 8)
+    squares, asked = np.zeros((2, size, size), np.float32)
+    asked[inner, inner] = known[inner, inner] & np.logical_and.reduce([known[side] for side in sides])
+    off = slice_[inner, inner] - sum(slice_[side] for side in sides) / 4
+    squares[inner, inner] = np.mean(off**2, axis=-1)
+    near = cv2.boxFilter(squares * asked, -1, (window, window), borderType=cv2.BORDER_CONSTANT)
+    counts = cv2.boxFilter(asked, -1, (window, window), borderType=cv2.BORDER_CONSTANT)
+    rough = np.where(counts > 0, near / np.maximum(counts, 1e-6), (squares * asked).sum() / max(asked.sum(), 1))
+    return np.asarray(np.maximum(rough - np.float32(1.25) * noises, noises / 8), np.float32)
 
 
-def _fill_over_sphere(filled: F32, variances: F32, neighbours: F32, valid: Mask) -> None:
-    """Mix in place with what neighbours on the sphere say, by inverse variances (N, S, S), slice by slice."""
-    n_x, n_y = texel_plane(len(valid))
-    normals = np.stack([n_x, n_y, np.sqrt(np.maximum(1 - n_x**2 - n_y**2, 0))], axis=-1)
-    for slice_, variance, theirs in zip(filled, variances, neighbours, strict=True):
-        holes = (variance > 0) & (theirs * _LEAST_SHARE < variance * (1 - _LEAST_SHARE))
-        if holes.any() and not np.array_equal(holes, valid):
-            share = 1 / (1 + theirs[holes] / variance[holes])[:, None]
-            slice_[holes] += share * (_fit_around(slice_, holes, valid & ~holes, normals) - slice_[holes])
+def _fill_over_sphere(slice_: F32, variance: F32, theirs: F32, normals: F64, valid: Mask) -> None:
+    """Mix in place with what neighbours on the sphere say, by inverse variances (S, S)."""
+    holes = (variance > 0) & (theirs * _LEAST_SHARE < variance * (1 - _LEAST_SHARE))
+    if holes.any() and not np.array_equal(holes, valid):
+        share = 1 / (1 + theirs[holes] / variance[holes])[:, None]
+        slice_[holes] += share * (_fit_around(slice_, holes, valid & ~holes, normals) - slice_[holes])
 
 
 def _fit_around(slice_: F32, holes: Mask, known: Mask, normals: F64) -> F32:

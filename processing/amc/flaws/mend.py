@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
 from processing.amc.flaws.defects import find_defects
-from processing.amc.flaws.fill import fill
+from processing.amc.flaws.fill import fill_in_place
 from processing.amc.flaws.settle import settle
 from processing.amc.flaws.weave import average_weave
 from processing.amc.noise import noise_variance
@@ -70,7 +70,7 @@ def _fill(slices: Slices, marked: Mask, shots: Shots) -> float:
             f"{shots.stack.paths[0].parent}: marks cover {share:.0%} of the sphere, which leaves too little to fill "
             "from; a mask is white where there is NO material; give one that is smaller, or a better sample"
         )
-    slices.light[:] = fill(slices.light, marked, shots.series.angles_rad, slices.valid)
+    fill_in_place(slices.light, marked, shots.series.angles_rad, slices.valid)
     return share
 
 
