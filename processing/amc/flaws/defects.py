@@ -5,6 +5,7 @@ bright) or in phase (a fold, whose tangent points elsewhere). A hot pixel stays 
 does neither. The AMC paper has marks set by hand (section 5.1); these are candidates for the same use.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import cv2
@@ -63,7 +64,7 @@ class Defects:
     still: Mask
 
 
-def find_defects(slices: F32, angles_rad: F64, valid: Mask) -> Defects:
+def find_defects(slices: F32, angles_rad: F64, valid: Mask, release: Callable[[], None] = lambda: None) -> Defects:
     """Find what disagrees with its neighbours, turning or still.
 
     Parameters
@@ -71,9 +72,11 @@ def find_defects(slices: F32, angles_rad: F64, valid: Mask) -> Defects:
     slices : (N, S, S, 3) float32, linear light; [s, row, column] with row 0 at n_y = +1
     angles_rad : (N,) turntable angle of each slice
     valid : (S, S) bool, the disc that was seen
+    release : called where slices have been looked at, to give back what they took of memory
     """
     still = find_still(slices, valid)
-    curves = light_curves(slices, angles_rad - angles_rad[0], valid, still)
+    release()
+    curves = light_curves(slices, angles_rad - angles_rad[0], valid, still, release)
     turning = _grown(_strength(curves, valid), valid)
     return Defects(turning, _middles(turning, curves, valid), still)
 

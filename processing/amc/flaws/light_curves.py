@@ -5,6 +5,8 @@ light curve: albedo (a thread, a stain) shifts it as a whole, into harmonic 0; a
 it in time, into the others. Neighbouring places of a good sample have neighbouring normals, and so similar curves.
 """
 
+from collections.abc import Callable
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +29,9 @@ _FAR_ASTRAY, _PLAINLY_ASTRAY = 5.0, 0.1
 _LEVELS_LENIENCE = 1.5  # texture is in the levels, and even texture strays
 
 
-def light_curves(slices: F32, turns_rad: F64, valid: Mask, still: Mask) -> F32:
+def light_curves(
+    slices: F32, turns_rad: F64, valid: Mask, still: Mask, release: Callable[[], None] = lambda: None
+) -> F32:
     """Give the harmonics of every place's light curve.
 
     Parameters
@@ -36,6 +40,7 @@ def light_curves(slices: F32, turns_rad: F64, valid: Mask, still: Mask) -> F32:
     turns_rad : (N,) turntable angle of each slice less that of the first
     valid : (S, S) bool, the disc that was seen
     still : (S, S) bool, texels to replace by a neighbour before the slices are turned
+    release : called after each slice, to give back what it took of memory
 
     Returns
     -------
@@ -56,6 +61,7 @@ def light_curves(slices: F32, turns_rad: F64, valid: Mask, still: Mask) -> F32:
             level += light
         for harmonic, share in zip(curves[LEVELS:], wave, strict=True):
             cv2.scaleAdd(lightness, float(share), harmonic, harmonic)
+        release()
     curves /= np.float32(len(slices))
     return curves
 

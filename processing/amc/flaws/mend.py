@@ -49,7 +49,8 @@ def mend(slices: Slices, shots: Shots, settings: Settings, marks: Mask | None) -
     angles_rad, valid = shots.series.angles_rad, slices.valid
     marked, still = np.zeros(slices.light.shape[:3], bool), np.zeros_like(valid)
     if settings.defects == "find" and _changes(slices, noise_variance(slices.light, valid, slices.difference_gain)):
-        found = find_defects(slices.light, angles_rad, valid)
+        slices.room.release()
+        found = find_defects(slices.light, angles_rad, valid, slices.room.release)
         marked, still = settle(found.turning, found.middles, slices.light, angles_rad, valid), found.still
     if marks is not None:
         marked |= marks
@@ -57,6 +58,7 @@ def mend(slices: Slices, shots: Shots, settings: Settings, marks: Mask | None) -
     marked |= still
     marked &= valid
     filled = _fill(slices, marked, shots) if marked.any() else 0.0
+    slices.room.release()
     if settings.weave == "average":
         slices.light[:] = average_weave(slices.light, angles_rad, valid)
     return Flaws(turning, still & valid, filled)
