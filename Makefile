@@ -16,11 +16,12 @@ demo: setup
 	$(BIN)/litrig demo --out $(OUT)
 
 # What talks to simulated devices keeps their time, and is not run side by side.
-ON_WIRES := tests/acquisition tests/faults tests/firmware_sim tests/rig tests/system
+SIDE_BY_SIDE := tests/base tests/oracle tests/processing tests/viewer \
+	$(addprefix tests/firmware_sim/,dynamixel grbl mitsuba scene)
 
 test: setup
-	$(BIN)/python -m pytest -n auto --dist worksteal $(ON_WIRES:%=--ignore=%)
-	$(BIN)/python -m pytest $(ON_WIRES)
+	$(BIN)/python -m pytest -n auto --dist worksteal $(SIDE_BY_SIDE)
+	$(BIN)/python -m pytest $(SIDE_BY_SIDE:%=--ignore=%)
 
 check: setup
 	$(BIN)/ruff format --check .
