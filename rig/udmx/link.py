@@ -1,6 +1,7 @@
 """A uDMX on its USB socket: found by what it calls itself, opened for us alone, and anew when it drops off the bus."""
 
 import errno
+import struct
 from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
@@ -13,6 +14,7 @@ from rig.errors import DeviceError, LinkError, LinkTimeoutError, PortError
 from rig.udmx import codec
 from rig.udmx.backend import Backend
 from rig.udmx.codec import Transfer
+from rig.wire_record import current_recorder
 
 VENDOR_ID, PRODUCT_ID = 0x16C0, 0x05DC
 """Shared by many hobby devices; the product string tells them apart."""
@@ -23,6 +25,9 @@ REAPPEAR_S = 5.0
 POLL_S = 0.05
 STILL_THERE = (errno.EPIPE, errno.ETIMEDOUT)
 """A transfer that failed so is tried again; after any other failure the device is looked for anew."""
+
+_SETUP = struct.Struct("<2B3H")
+"""The eight bytes of a control transfer, as they stand in a wire record before its data."""
 
 Device = Any
 """A `usb.core.Device`; pyusb ships no types."""
@@ -47,6 +52,7 @@ class UdmxLink:
             There is none, or several, or it is taken or forbidden.
         """
         self._port, self._backend, self._clock = port, backend, clock
+        self._recorder = current_recorder()
         self._known: list[int | None] = [None] * codec.SLOTS
         self._device: Device | None = None
         self._device = self._open()
@@ -95,6 +101,11 @@ class UdmxLink:
         # If the transfer breaks off, be it by a signal, nobody knows how far it came.
         for slot in transfer.slots:
             self._known[slot] = None
+        if self._recorder is not None:
+            setup = _SETUP.pack(
+                codec.VENDOR_OUT, transfer.request, transfer.value, transfer.first, len(transfer.content)
+            )
+            self._recorder.note("out", self.name, setup + transfer.content)
         carried = device.ctrl_transfer(
             codec.VENDOR_OUT, transfer.request, transfer.value, transfer.first, transfer.content or None, TIMEOUT_MS
         )

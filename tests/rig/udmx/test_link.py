@@ -1,5 +1,7 @@
 """The driver's link on the simulated bus: what is sent, what is not, and what happens when the device is not there."""
 
+from pathlib import Path
+
 import pytest
 import usb.core
 
@@ -8,6 +10,7 @@ from litrig.base.errors import ConfigError
 from rig.errors import DeviceError, LinkTimeoutError, PortError
 from rig.udmx.backend import load_backend
 from rig.udmx.codec import SLOTS
+from rig.wire_record import read_record, recording
 from tests.rig.udmx.bench import LampBench
 
 DARK = dict.fromkeys(range(24), 0)
@@ -31,6 +34,15 @@ def test_only_what_changed_is_sent(bench: LampBench) -> None:
         (1, 100, 9, ""),
         (1, 0, 9, ""),
     ]
+
+
+def test_a_wire_record_has_what_is_sent(bench: LampBench, tmp_path: Path) -> None:
+    with recording(tmp_path / "wires.jsonl"):
+        link = bench.link()
+        link.show({0: 0, 1: 7})
+        link.show({0: 0, 1: 255})
+    sent = [entry["bytes"] for entry in read_record(tmp_path / "wires.jsonl") if entry["way"] == "out"]
+    assert sent == [b"\x40\x02\x02\0\0\0\x02\0\0\x07", b"\x40\x01\xff\0\x01\0\0\0"]
 
 
 def test_512_slots_take_35_ms_and_one_takes_one(bench: LampBench) -> None:
