@@ -5,8 +5,10 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from functools import partial
 from types import FrameType
+from typing import Self
 
 from firmware_sim.errors import SimError
 
@@ -26,44 +28,72 @@ def run_in_front(command: Sequence[str], environment: Mapping[str, str]) -> int:
     SimError
         There is no such command, or it may not be run.
     """
-    try:
-        process = subprocess.Popen(list(command), env=dict(environment), process_group=0)
-    except OSError as error:
-        reason = error.strerror or error
-        raise SimError(f"{command[0]}: cannot be run ({reason}); check its spelling, or give its path") from error
-    with _terminal_for(process.pid), _signals_for(process):
+    terminal = _our_terminal()
+    with _Signals() as signals, _lent(terminal):
+        try:
+            # The command takes the terminal itself, before it is what it is: whoever hears from it may press Ctrl-C.
+            process = subprocess.Popen(
+                list(command), env=dict(environment), process_group=0, preexec_fn=partial(_take, terminal)
+            )
+        except OSError as error:
+            reason = error.strerror or error
+            raise SimError(f"{command[0]}: cannot be run ({reason}); check its spelling, or give its path") from error
+        signals.pass_on_to(process)
         status = process.wait()
     return status if status >= 0 else SIGNAL_BASE - status
 
 
-@contextmanager
-def _signals_for(process: "subprocess.Popen[bytes]") -> Iterator[None]:
-    def pass_on(number: int, _: FrameType | None) -> None:
-        process.send_signal(number)
+class _Signals:
+    """Passes our signals on to a process; those that come before it is there wait for it."""
 
-    before = {number: signal.signal(number, pass_on) for number in PASSED_ON}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
+    def __init__(self) -> None:
+        self._process: subprocess.Popen[bytes] | None = None
+        self._early: list[int] = []
+
+    def __enter__(self) -> Self:
+        self._before = {number: signal.signal(number, self._heard) for number in PASSED_ON}
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._before.items():
             signal.signal(number, handler)
 
+    def pass_on_to(self, process: "subprocess.Popen[bytes]") -> None:
+        self._process = process
+        for number in self._early:
+            process.send_signal(number)
 
-@contextmanager
-def _terminal_for(group: int) -> Iterator[None]:
-    """Hand the terminal to a process group and take it back, if it is ours to give."""
-    terminal = _our_terminal()
-    if terminal is None:
-        yield
-        return
+    def _heard(self, number: int, _: FrameType | None) -> None:
+        if self._process is None:
+            self._early.append(number)
+        else:
+            self._process.send_signal(number)
+
+
+def _take(terminal: int | None) -> None:
+    """Bring this process's group to the front of a terminal."""
+    if terminal is not None:
+        with suppress(OSError):  # it has just gone
+            _bring_to_front(terminal)
+
+
+def _bring_to_front(terminal: int) -> None:
     # Who is not in front may change that only while it ignores this signal.
     before = signal.signal(signal.SIGTTOU, signal.SIG_IGN)
     try:
-        os.tcsetpgrp(terminal, group)
+        os.tcsetpgrp(terminal, os.getpgrp())
+    finally:
+        signal.signal(signal.SIGTTOU, before)
+
+
+@contextmanager
+def _lent(terminal: int | None) -> Iterator[None]:
+    """Take the terminal back at the end, if it was ours to give."""
+    try:
         yield
     finally:
-        os.tcsetpgrp(terminal, os.getpgrp())
-        signal.signal(signal.SIGTTOU, before)
+        if terminal is not None:
+            _bring_to_front(terminal)
 
 
 def _our_terminal() -> int | None:
