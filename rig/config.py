@@ -66,13 +66,11 @@ class TurntableConfig(TurntableSection):
         return f"turntable {self.model} (id {self.id})"
 
     @model_validator(mode="after")
-    def _limits_in_order(self) -> Self:
+    def _tolerance_reaches_a_step(self) -> Self:
         if self.tolerance_deg * self.gear_ratio < SERVO_TICK_DEG / 2:
             raise ValueError(
                 f"tolerance_deg ({self.tolerance_deg:g}) must reach half a step of the servo, of 4096 a turn"
             )
-        if not self.min_deg <= self.park_deg <= self.max_deg:
-            raise ValueError(f"park_deg ({self.park_deg:g}) must lie between min_deg and max_deg, and these in order")
         return self
 
 

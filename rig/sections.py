@@ -9,6 +9,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from litrig.base.config import StrictModel
+from rig.errors import OutOfRangeError
 
 Positive = Annotated[float, Field(gt=0)]
 Turns = Annotated[float, Field(ge=-90_000, le=90_000)]
@@ -41,6 +42,14 @@ class TurntableSection(StrictModel):
     def instrument(self) -> str:
         """Name it in a session's records."""
         return f"turntable of kind {self.kind}"
+
+    def check_limits(self, angle_deg: float) -> None:
+        """Refuse an angle that the cables do not allow."""
+        if not self.min_deg <= angle_deg <= self.max_deg:  # so written, NaN is refused too
+            raise OutOfRangeError(
+                f"turntable: {angle_deg:g}° is outside {self.min_deg:g}..{self.max_deg:g}°; nothing moved. "
+                "Ask for an angle inside, or widen min_deg and max_deg in RIG.toml if the cables allow."
+            )
 
 
 class ArmSection(StrictModel):

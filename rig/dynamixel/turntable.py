@@ -73,11 +73,7 @@ class DynamixelTurntable:
     def check(self, angle_deg: float) -> None:
         """Refuse an angle outside the limits of RIG.toml, or beyond the turns that the servo counts."""
         config = self._config
-        if not config.min_deg <= angle_deg <= config.max_deg:  # so written, NaN is refused too
-            raise OutOfRangeError(
-                f"turntable: {angle_deg:g}° is outside {config.min_deg:g}..{config.max_deg:g}°; nothing moved. "
-                "Ask for an angle inside, or widen min_deg and max_deg in RIG.toml if the cables allow."
-            )
+        config.check_limits(angle_deg)
         if max(abs(self._ticks(a)) for a in (angle_deg, angle_deg - config.backlash_deg)) > FARTHEST_POSITION:
             raise OutOfRangeError(
                 f"turntable: {angle_deg:g}° is beyond the ±256 turns that the servo counts, with gear_ratio "

@@ -1,8 +1,8 @@
 """What RIG.toml says of a turntable on a GRBL controller."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from rig.config import Turns
 from rig.sections import Port, Positive, TurntableSection
@@ -27,10 +27,6 @@ class StepperTurntableConfig(TurntableSection):
     """1 if the positive sense of the axis turns the sample counter-clockwise as the camera sees it, else −1."""
     steps_per_deg: float | None = Field(default=None, gt=0)
     """Motor steps for a degree of the table; the controller's $100, $101, … is checked against it."""
-    min_deg: Turns = -360.0
-    """Lowest angle that the cables allow."""
-    max_deg: Turns = 720.0
-    """Highest angle that the cables allow."""
     speed_deg_s: float = Field(default=60.0, ge=0.1, le=1000)
     """Speed of the table."""
     tolerance_deg: Positive = 0.1
@@ -48,9 +44,3 @@ class StepperTurntableConfig(TurntableSection):
     def instrument(self) -> str:
         """Name the axis."""
         return f"turntable on axis {self.axis} of a GRBL controller"
-
-    @model_validator(mode="after")
-    def _limits_in_order(self) -> Self:
-        if not self.min_deg <= self.park_deg <= self.max_deg:
-            raise ValueError(f"park_deg ({self.park_deg:g}) must lie between min_deg and max_deg, and these in order")
-        return self

@@ -8,7 +8,7 @@ import math
 
 from rig.clock import Clock
 from rig.devices import TurntablePose
-from rig.errors import DeviceError, OutOfRangeError, PositionLostError
+from rig.errors import DeviceError, PositionLostError
 from rig.grbl import commands
 from rig.grbl.commands import AXES
 from rig.grbl.config import StepperTurntableConfig
@@ -62,12 +62,7 @@ class GrblTurntable:
 
     def check(self, angle_deg: float) -> None:
         """Refuse an angle outside the limits of RIG.toml."""
-        config = self._config
-        if not config.min_deg <= angle_deg <= config.max_deg:  # so written, NaN is refused too
-            raise OutOfRangeError(
-                f"turntable: {angle_deg:g}° is outside {config.min_deg:g}..{config.max_deg:g}°; nothing moved. "
-                "Ask for an angle inside, or widen min_deg and max_deg in RIG.toml if the cables allow."
-            )
+        self._config.check_limits(angle_deg)
 
     def move_to(self, angle_deg: float) -> TurntablePose:
         """Go to an angle, from below by at least the backlash, and wait until the axis stands there.
