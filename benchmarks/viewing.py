@@ -6,6 +6,7 @@ from benchmarks.measure import Comparison, compare
 from processing.amc.mips import mip_chain
 from processing.amc.model import Amc, Invariance
 from processing.mesh.builtin import builtin_mesh
+from viewer.materials.amc import amc_picture
 from viewer.renderer import Renderer
 from viewer.view import View
 
@@ -16,16 +17,16 @@ def comparisons() -> list[Comparison]:
     mesh, view, size = builtin_mesh("torus"), View(yaw_deg=20, pitch_deg=35), (512, 512)
     levels, plain = mip_chain(anisotropic), mip_chain(isotropic)
     with Renderer() as renderer:
-        picture = renderer.render_amc(anisotropic, mesh, view, size=size, levels=levels)
+        picture = amc_picture(renderer, anisotropic, mesh, view, size=size, levels=levels)
         if not 0.1 < float(picture[..., 3].mean()) < 0.9:
             raise AssertionError("the torus is not in the picture")
         return [
             compare(
                 f"Picture of 512² of a torus of {len(mesh.triangles)} triangles",
-                ("AMC of 128² × 64", lambda: renderer.render_amc(anisotropic, mesh, view, size=size, levels=levels)),
+                ("AMC of 128² × 64", lambda: amc_picture(renderer, anisotropic, mesh, view, size=size, levels=levels)),
                 (
                     "isotropic MatCap",
-                    lambda: renderer.render_amc(isotropic, mesh, view, size=size, levels=plain),
+                    lambda: amc_picture(renderer, isotropic, mesh, view, size=size, levels=plain),
                 ),
             )
         ]

@@ -19,6 +19,8 @@ from processing.ptm.basis import PTM
 from processing.ptm.files.either import ENDINGS as PTM_ENDINGS
 from processing.ptm.files.either import holds_material, read_any
 from processing.ptm.model import Ptm
+from viewer.materials.amc import amc_picture
+from viewer.materials.ptm import ptm_mesh_picture, ptm_picture
 from viewer.renderer import Renderer
 from viewer.save import save_flat, save_rendered
 from viewer.view import View
@@ -83,7 +85,8 @@ def _render_amc(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
     mesh = _mesh_with_grain(staging)
     amc, levels = _read_amc(file)
     with Renderer() as renderer:
-        picture = renderer.render_amc(
+        picture = amc_picture(
+            renderer,
             amc,
             mesh,
             staging.view,
@@ -126,7 +129,7 @@ def _render_flat(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
         raise InputError(f"{file}: {options} would not change a flat PTM; leave it out, or name a mesh")
     ptm = _read_ptm(file)
     with Renderer() as renderer:
-        values = renderer.render_ptm(ptm, staging.light or DEFAULT_LIGHT)
+        values = ptm_picture(renderer, ptm, staging.light or DEFAULT_LIGHT)
     save_flat(output, values, ptm)
     return _size_of(values)
 
@@ -136,7 +139,8 @@ def _render_ptm_on_mesh(file: Path, output: Path, staging: Staging) -> tuple[int
     mesh = builtin_mesh(staging.mesh or DEFAULT_MESH)
     ptm = _read_ptm(file)
     with Renderer() as renderer:
-        picture = renderer.render_ptm_on_mesh(
+        picture = ptm_mesh_picture(
+            renderer,
             ptm,
             mesh,
             staging.view,
