@@ -71,6 +71,7 @@ def mesh_geometry(gl: GlContext, mesh: Mesh) -> Geometry:
         "in_normal": mesh.normals,
         "in_tangent": mesh.tangents,
         "in_uv": mesh.uvs,
+        "in_occlusion": np.ones(len(mesh.positions)) if mesh.occlusion is None else mesh.occlusion,
     }
     return Geometry(gl, attributes, mesh.triangles)
 

@@ -18,7 +18,7 @@ from viewer.geometry import Geometry
 from viewer.gl_context import GlContext, open_context
 from viewer.look import Look, UniformValue
 from viewer.shader_source import shader_source
-from viewer.targets import Target, check_errors
+from viewer.targets import Drawable, Target, check_errors
 from viewer.view import View
 
 F32 = NDArray[np.float32]
@@ -92,13 +92,14 @@ class Renderer:
                 made.release()
 
     def draw(
-        self, look: Look, geometry: Geometry, target: Target, view: View | None = None, *, clear: bool = True
+        self, look: Look, geometry: Geometry, target: Drawable, view: View | Camera | None = None, *, clear: bool = True
     ) -> None:
         """Draw one look on one geometry.
 
         Parameters
         ----------
-        view : where the camera is; None if the look's vertex shader wants no camera, and then there is no depth
+        view : where the camera is, or the camera itself; None if the look's vertex shader wants no camera, and then
+            there is no depth
         clear : take away what was drawn before; otherwise what is nearer than that is drawn over it
 
         Raises
@@ -110,7 +111,7 @@ class Renderer:
         with context:
             program = self._program((look.vertex, look.fragment, look.switches))
             if view is not None:
-                _tell(program, _placed(view.camera(target.size)))
+                _tell(program, _placed(view.camera(target.size) if isinstance(view, View) else view))
             for unit, (name, texture) in enumerate(look.textures.items()):
                 texture.use(unit)
                 program[name] = unit
@@ -129,7 +130,7 @@ class Renderer:
                 previous.use()
 
     def picture(
-        self, look: Look, geometry: Geometry, view: View | None = None, *, size: Size, supersample: int = 1
+        self, look: Look, geometry: Geometry, view: View | Camera | None = None, *, size: Size, supersample: int = 1
     ) -> F32:
         """Draw one look on one geometry, and read it.
 

@@ -1,5 +1,7 @@
 """What is drawn into: a float picture with depth, finer than asked where edges shall be smooth."""
 
+from typing import Protocol
+
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +11,15 @@ from viewer.errors import GraphicsError
 from viewer.gl_context import GlContext
 
 F32 = NDArray[np.float32]
+
+
+class Drawable(Protocol):
+    """What can be drawn into."""
+
+    size: tuple[int, int]
+    framebuffer: moderngl.Framebuffer
+
+    def clear(self) -> None: ...
 
 
 class Target:
@@ -72,6 +83,40 @@ class Target:
         for part in self._parts:
             part.release()
         self._parts = []
+
+
+class DepthTarget:
+    """The depth of the nearest surface at every texel, and nothing else: a shadow map.
+
+    Attributes
+    ----------
+    size : width and height in texels
+    depth : the texture, 0 to 1; a shader's sampler2DShadow tells if a depth is nearer, and between texels how much
+    """
+
+    def __init__(self, gl: GlContext, size: tuple[int, int]) -> None:
+        """Make a map on which nothing stands yet.
+
+        Raises
+        ------
+        InputError
+            The size is not one that the graphics driver can draw.
+        """
+        check_size(gl, size)
+        self.size = size
+        self.depth = gl.moderngl.depth_texture(size)
+        self.depth.compare_func = "<="
+        self.depth.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        self.depth.repeat_x = self.depth.repeat_y = False
+        self.framebuffer = gl.moderngl.framebuffer(depth_attachment=self.depth)
+        self.clear()
+
+    def clear(self) -> None:
+        self.framebuffer.clear(depth=1.0)
+
+    def release(self) -> None:
+        self.framebuffer.release()
+        self.depth.release()
 
 
 def check_size(gl: GlContext, size: tuple[int, int]) -> None:

@@ -14,7 +14,7 @@ from litrig.base.errors import MissingToolError
 from processing.mesh.builtin import torus
 from tests.viewer.analytic import brushed_amc
 from viewer.errors import GraphicsError
-from viewer.gl_calls import upload_volume_levels
+from viewer.gl_calls import upload_levels
 from viewer.gl_context import INSTALL, open_context
 from viewer.materials.amc import amc_picture
 from viewer.renderer import Renderer
@@ -86,9 +86,7 @@ def test_uploading_leaves_bindings_as_they_were() -> None:
         bind = ctypes.CFUNCTYPE(None, ctypes.c_uint, ctypes.c_uint)(gl.backend.load("glBindTexture"))
         texture = context.texture3d((4, 4, 4), 4, dtype="f2")
         bind(0x806F, other.glo)
-        upload_volume_levels(
-            gl.backend, texture.glo, [np.ones((4, 4, 4, 4), np.float16), np.ones((2, 2, 2, 4), np.float16)]
-        )
+        upload_levels(gl.backend, texture, [np.ones((4, 4, 4, 4), np.float16), np.ones((2, 2, 2, 4), np.float16)])
         found = ctypes.c_int()
         get(0x806A, ctypes.addressof(found))
         assert found.value == other.glo
