@@ -74,8 +74,12 @@ class PtmMaterial:
         uniforms: dict[str, UniformValue] = {"is_luminance": self._is_luminance, "light": light}
         return Look("ptm_flat.frag", uniforms, self._textures(), vertex="flat.vert")
 
-    def mesh_look(self, light: Light) -> Look:
+    def mesh_look(self, light: Light, *, occluded: bool = False) -> Look:
         """Lay it on a mesh and light it from one direction of the view frame; no shadows are cast.
+
+        Parameters
+        ----------
+        occluded : darken by the mesh's ambient occlusion
 
         Raises
         ------
@@ -86,6 +90,7 @@ class PtmMaterial:
             "is_luminance": self._is_luminance,
             "light_direction": (*light, _light_z(light)),
             "is_display": self._is_display,
+            "occluded": occluded,
         }
         return Look("ptm_mesh.frag", uniforms, self._textures())
 
