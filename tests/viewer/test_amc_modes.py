@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy import ndimage
 
 from litrig.base.errors import InputError
@@ -16,8 +17,9 @@ from processing.mesh.fields import painted, turned
 from processing.mesh.grids import join
 from processing.mesh.model import Mesh
 from processing.reference.amc import Way, render_amc, render_keyed, render_sum
+from processing.reference.camera import Camera
 from processing.reference.shadow import reaches
-from processing.reference.surface import visible_surface
+from processing.reference.surface import in_view, visible_surface
 from tests.viewer.analytic import brushed_amc
 from tests.viewer.compare import codes_apart, differ
 from tests.viewer.scenes import KEY, MESHES, SIZE, lit_and_unlit, split_in_two, with_occlusion
@@ -27,6 +29,8 @@ from viewer.materials.amc import AmcMaterial, Coordinates, amc_picture
 from viewer.materials.low_rank import LowRankMaterial
 from viewer.materials.matcap import MatcapMaterial, plain_table
 from viewer.renderer import F32, Renderer
+from viewer.tangent_lines import LENGTH, SPACING, lines_look, spread_out, tangent_lines
+from viewer.targets import Target
 from viewer.view import Projection, View
 
 VIEWS = [View(projection, yaw_deg=25, pitch_deg=35, fov_deg=50) for projection in Projection]
@@ -286,3 +290,57 @@ def test_a_grain_turned_or_painted_is_drawn_as_the_reference_does(renderer: Rend
         drawn = amc_picture(renderer, amc, mesh, view, size=SIZE, level=0)
         assert codes_apart(drawn, render_amc(amc, mesh, view.camera(SIZE), SIZE)) <= 2
         assert differ(drawn, before) > 40
+
+
+@both_projections
+def test_tangent_lines_lie_along_the_grain(renderer: Renderer, view: View) -> None:
+    """Every strip, found by its own colour, is long in the direction that its tangent has on the screen."""
+    mesh = turned(MESHES["torus"], 30)
+    size = (720, 600)
+    with (
+        renderer.upload(mesh_geometry, mesh) as geometry,
+        renderer.upload(MatcapMaterial, np.zeros((4, 4, 3), np.float32)) as black,
+        renderer.upload(tangent_lines, mesh) as lines,
+        renderer.upload(Target, size) as target,
+    ):
+        renderer.draw(black.look(), geometry, target, view)
+        renderer.draw(lines_look((1.0, 1.0, 1.0)), lines, target, view, clear=False)
+        shown = target.read()[..., 0] > 0.5
+    camera = view.camera(size)
+    chosen = spread_out(mesh.positions, SPACING)
+    ends = [mesh.positions[chosen] + side * LENGTH / 2 * mesh.tangents[chosen] for side in (-1, 1)]
+    start, end = (on_screen(points, camera, size) for points in ends)
+    components, count = ndimage.label(shown)
+    turns_deg, shifts_px = [], []
+    for number, place in enumerate(ndimage.find_objects(components), 1):
+        rows, columns = np.nonzero(components[place] == number)
+        if len(rows) < 20:
+            continue
+        pixels = np.stack([columns + place[1].start + 0.5, rows + place[0].start + 0.5], axis=1)
+        middle = pixels.mean(axis=0)
+        nearest = np.argmin(np.linalg.norm((start + end) / 2 - middle, axis=1))
+        spread, directions = np.linalg.eigh(np.cov((pixels - middle).T))
+        along = end[nearest] - start[nearest]
+        if spread[1] < 9 * spread[0] or np.linalg.norm(along) < 12:
+            continue  # two that touch, or one half hidden
+        shifts_px.append(np.linalg.norm((start[nearest] + end[nearest]) / 2 - middle))
+        cosine = abs(directions[:, 1] @ along) / np.linalg.norm(along)
+        turns_deg.append(np.degrees(np.arccos(min(1, cosine))))
+    assert count > 100 and len(turns_deg) > 60
+    assert np.median(turns_deg) < 1 and np.quantile(turns_deg, 0.9) < 5
+    assert np.median(shifts_px) < 1
+
+
+def test_lines_stand_evenly_and_each_at_a_vertex() -> None:
+    random = np.random.default_rng(4)
+    positions = random.uniform(-1, 1, (5000, 3)).astype(np.float32)
+    chosen = spread_out(positions, 0.5)
+    assert len(np.unique(chosen)) == len(chosen) == 64
+    assert len(np.unique(np.floor(positions[chosen] / 0.5), axis=0)) == 64
+
+
+def on_screen(points: NDArray[np.float32], camera: Camera, size: tuple[int, int]) -> NDArray[np.float64]:
+    """Return columns and rows (N, 2) of points in the object's frame."""
+    clip = np.concatenate([in_view(points, camera), np.ones((len(points), 1))], axis=1) @ camera.clip_from_view.T
+    places = clip[:, :2] / clip[:, 3:]
+    return np.stack([(places[:, 0] + 1) / 2 * size[0], (1 - places[:, 1]) / 2 * size[1]], axis=1)
