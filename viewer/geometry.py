@@ -6,10 +6,12 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from litrig.base.errors import InputError
 from processing.mesh.model import Mesh
 from viewer.gl_context import GlContext
 
 Floats = NDArray[np.floating]
+_SHORTEST = 1e-6
 
 
 class Geometry:
@@ -65,7 +67,14 @@ class Geometry:
 
 
 def mesh_geometry(gl: GlContext, mesh: Mesh) -> Geometry:
-    """Upload a mesh, in the object's own frame."""
+    """Upload a mesh, in the object's own frame.
+
+    Raises
+    ------
+    InputError
+        It cannot be drawn: see `check_mesh`.
+    """
+    check_mesh(mesh)
     attributes: dict[str, Floats] = {
         "in_position": mesh.positions,
         "in_normal": mesh.normals,
@@ -74,6 +83,39 @@ def mesh_geometry(gl: GlContext, mesh: Mesh) -> Geometry:
         "in_occlusion": np.ones(len(mesh.positions)) if mesh.occlusion is None else mesh.occlusion,
     }
     return Geometry(gl, attributes, mesh.triangles)
+
+
+def check_mesh(mesh: Mesh) -> None:
+    """Refuse a mesh that would be drawn as nothing, as noise, or from memory that is not its own.
+
+    Raises
+    ------
+    InputError
+        It has no triangle with an area, numbers that are none, directions without length, or triangles of vertices
+        that do not exist.
+    """
+    count = len(mesh.positions)
+    attributes = {"positions": mesh.positions, "normals": mesh.normals, "tangents": mesh.tangents, "uvs": mesh.uvs}
+    if mesh.occlusion is not None:
+        attributes["occlusion"] = mesh.occlusion
+    for name, values in attributes.items():
+        if len(values) != count:
+            raise InputError(f"mesh: {len(values)} {name} for {count} positions; export it again")
+        strange = int(np.count_nonzero(~np.isfinite(values).reshape(count, -1).all(axis=1))) if count else 0
+        if strange:
+            raise InputError(
+                f"mesh: {name} of {strange} of {count} vertices are no numbers; mend it or export it again"
+            )
+    for name in ("normals", "tangents"):
+        lost = int(np.count_nonzero(np.linalg.norm(attributes[name], axis=1) < _SHORTEST))
+        if lost:
+            raise InputError(f"mesh: {name} of {lost} of {count} vertices have no length; export it again")
+    if mesh.triangles.size and not 0 <= mesh.triangles.min() <= mesh.triangles.max() < count:
+        raise InputError(f"mesh: has triangles of vertices that are not among its {count}; export it again")
+    corners = mesh.positions[mesh.triangles].astype(np.float64)
+    doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) if corners.size else np.zeros(1)
+    if not np.any(doubled):
+        raise InputError(f"mesh: none of its {len(mesh.triangles)} triangles has an area; there is nothing to draw")
 
 
 def whole_picture(gl: GlContext) -> Geometry:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from processing.reference.camera import Camera
+from viewer.errors import GraphicsError
 from viewer.geometry import Geometry
 from viewer.gl_context import GlContext, open_context
 from viewer.look import Look, UniformValue
@@ -79,7 +80,12 @@ class Renderer:
             The graphics driver failed.
         """
         with self._gl.moderngl:
-            made = make(self._gl, *arguments, **options)
+            try:
+                made = make(self._gl, *arguments, **options)
+            except moderngl.Error as error:
+                raise GraphicsError(
+                    f"upload: the graphics driver has no room for it ({error}); ask for less, or update the driver"
+                ) from error
             try:
                 check_errors(self._gl.moderngl, "upload")
             except BaseException:
