@@ -244,9 +244,9 @@ def render(
 ) -> None:
     """Draw a material into a picture or a video; neither a display nor a graphics card is needed.
 
-    An Anisotropic MatCap (.amc.ktx2 or .amc.exr) or a plain MatCap (a square picture of a ball) is shown on a mesh, by
-    default a torus. A PTM or HSH (.ptm, .rti, .ptm.exr or a web folder) is relit flat at its own size, its values as
-    the picture's values; with --mesh it is laid on that mesh.
+    An Anisotropic MatCap (.amc.ktx2 or .amc.exr), a plain MatCap (a square picture of a ball) or a decomposed one
+    (.matcap.exr) is shown on a mesh, by default a torus. A PTM or HSH (.ptm, .rti, .ptm.exr or a web folder) is relit
+    flat at its own size, its values as the picture's values; with --mesh it is laid on that mesh.
     """
     from viewer.develop import Development, Tone
     from viewer.materials.amc import Coordinates

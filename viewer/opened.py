@@ -15,6 +15,8 @@ from processing.amc.files.ktx2 import read_levels
 from processing.amc.files.low_rank_exr import read_low_rank
 from processing.amc.mips import MipLevel
 from processing.amc.model import Amc
+from processing.matcap.matcap_exr import ENDING as DECOMPOSED
+from processing.matcap.matcap_exr import read_matcap
 from processing.ptm.basis import PTM
 from processing.ptm.files.either import ENDINGS as PTM_ENDINGS
 from processing.ptm.files.either import holds_material, read_any
@@ -23,6 +25,7 @@ from viewer.geometry import Geometry
 from viewer.key_shadow import KeyShadow
 from viewer.look import Look
 from viewer.materials.amc import AmcMaterial, Coordinates
+from viewer.materials.decomposed_matcap import DecomposedMatcapMaterial
 from viewer.materials.low_rank import LowRankMaterial
 from viewer.materials.matcap import MatcapMaterial
 from viewer.materials.ptm import PtmMaterial
@@ -49,7 +52,7 @@ def open_looks(renderer: Renderer, file: Path, staging: Staging, geometry: Geome
     for holds, opener in _OPENERS:
         if holds(file):
             return opener(renderer, file, staging, geometry)
-    endings = ", ".join((*either.ENDINGS, *PTM_ENDINGS, *MATCAP_ENDINGS))
+    endings = ", ".join((*either.ENDINGS, *PTM_ENDINGS, DECOMPOSED, *MATCAP_ENDINGS))
     raise InputError(f"{file}: unknown ending; give a file that ends in {endings}, or a web folder")
 
 
@@ -211,6 +214,18 @@ def _matcap_looks(renderer: Renderer, file: Path, staging: Staging, _geometry: G
         yield lambda _: material.look(occluded=staging.occluded)
 
 
+@contextmanager
+def _decomposed_looks(renderer: Renderer, file: Path, staging: Staging, _geometry: Geometry) -> Iterator[Looks]:
+    refuse_ptm_staging(file, staging, "a MatCap has its light in it", "turn the object instead")
+    refuse_amc_staging(file, staging, "a MatCap")
+    with renderer.upload(DecomposedMatcapMaterial, read_matcap(file)) as material:
+        yield lambda _: material.look(occluded=staging.occluded)
+
+
+def _is_decomposed(file: Path) -> bool:
+    return file.name.lower().endswith(DECOMPOSED)
+
+
 def _is_picture(file: Path) -> bool:
     return file.name.lower().endswith(MATCAP_ENDINGS)
 
@@ -219,5 +234,6 @@ def _is_picture(file: Path) -> bool:
 _OPENERS: tuple[tuple[Callable[[Path], bool], Opener], ...] = (
     (is_amc, _amc_looks),
     (holds_material, _ptm_looks),
+    (_is_decomposed, _decomposed_looks),
     (_is_picture, _matcap_looks),
 )

@@ -21,6 +21,7 @@ from processing.mesh.fields import painted, turned
 from processing.mesh.model import Mesh
 from processing.ptm.basis import PTM, Basis
 from processing.reference.display import display_codes, over
+from tests.processing.matcap.maps import analytic
 from tests.processing.ptm.files.fitted import fitted
 from tests.viewer.analytic import brushed_amc
 from tests.viewer.scenes import KEY, lit_and_unlit, split_in_two, with_occlusion
@@ -29,6 +30,7 @@ from viewer.geometry import mesh_geometry
 from viewer.key_shadow import KeyShadow
 from viewer.look import Look
 from viewer.materials.amc import AmcMaterial, Coordinates, amc_picture
+from viewer.materials.decomposed_matcap import DecomposedMatcapMaterial
 from viewer.materials.low_rank import LowRankMaterial
 from viewer.materials.matcap import MatcapMaterial
 from viewer.materials.ptm import ptm_mesh_picture
@@ -101,6 +103,11 @@ def matcap(renderer: Renderer) -> F32:
         return of_look(material.look(), renderer, builtin_mesh("sewn"))
 
 
+def decomposed(renderer: Renderer) -> F32:
+    with renderer.upload(DecomposedMatcapMaterial, analytic(64)) as material:
+        return of_look(material.look(), renderer, CLOTH)
+
+
 def tangents(renderer: Renderer) -> F32:
     with (
         renderer.upload(AmcMaterial, brushed_amc(32, 30)) as material,
@@ -155,6 +162,7 @@ PICTURES: dict[str, Drawn] = {
     "amc-low-rank": low_rank,
     "amc-split": summed,
     "matcap-sewn": matcap,
+    "matcap-decomposed": decomposed,
     "ptm": ptm(PTM, ONE_LIGHT),
     "ptm-lights": ptm(PTM, PtmShading(shading_lights(((0.7, 0.2), (-0.6, 0.4)), ((1, 0.5, 0.2), (0.1, 0.3, 0.9)), 12))),
     "ptm-gain": ptm(PTM, replace(ONE_LIGHT, diffuse_gain=2.5)),
