@@ -1,7 +1,7 @@
 """`.matcap.exr` files: decomposed MatCaps as multi-part OpenEXR that any program can look into.
 
-Parts `low.front`, `low.back`, `high.front`, `high.back`, each R, G, B in linear light, all of one square size; every part
-says `litrig.kind` and, as JSON, `litrig.matcap`.
+Parts `low.front`, `low.back`, `high.front`, `high.back`, each R, G, B in linear light, all of one square size; every
+part says `litrig.kind` and, as JSON, `litrig.matcap`.
 """
 
 from pathlib import Path
