@@ -20,6 +20,7 @@ from processing.amc.settings import Settings
 from processing.amc.table import Series
 from processing.amc.tangent_turn import TangentTurn
 from processing.amc.undistort import undistortion
+from processing.composite import pictures_of
 from processing.room import Room, make_room
 from processing.stack import Stack, Window
 
@@ -155,7 +156,7 @@ def find_shots(capture: Capture, settings: Settings, report: Report) -> Shots:
     zero_deg = capture.tangent_zero_deg if settings.tangent_zero_deg is None else settings.tangent_zero_deg
     tangents_deg = angles_deg[order] + zero_deg
     series = Series(np.radians(tangents_deg), check_angles(np.radians(tangents_deg), str(capture.folder)))
-    stack = Stack([frames[index].path for index in order], undistortion(settings.camera))
+    stack = Stack(pictures_of(capture, [frames[index] for index in order]), undistortion(settings.camera))
     source = str(capture.folder)
     given = settings.circle
     outline = find_outline(stack, series.angles_rad, report) if given is None else _held(given)
