@@ -235,8 +235,8 @@ def _settings(
     from litrig.base.table_normals import TableNormal
     from processing.amc.invariance import MOST_REPEATS, THRESHOLD
     from processing.amc.model import TangentAngle
-    from processing.amc.outline.circle import Circle
     from processing.amc.settings import Settings
+    from processing.outline.circle import Circle
 
     return Settings(
         size=size,
@@ -334,10 +334,10 @@ def matcap(
     from litrig.base.pictures import write_picture
     from litrig.base.table_normals import TableNormal
     from processing.amc.geometry import SphereView
-    from processing.amc.outline.circle import Circle
     from processing.amc.photo import find_ball, matcap_from_photo
-    from processing.amc.undistort import undistortion
+    from processing.outline.circle import Circle
     from processing.stack import Stack
+    from processing.undistort import undistortion
 
     _refuse_two_distances(distance, camera)
     check_output(output, *PICTURES)
