@@ -64,12 +64,15 @@ def capture() -> None:
     show_default=True,
     help="Direction of brushing or thread at turntable zero, in degrees from the picture's right, counter-clockwise.",
 )
-def amc(rig_toml: Path, folder: Path, slices: int, object_id: str, tangent_zero_deg: float) -> None:
+@click.option(
+    "--closure", is_flag=True, help="Shoot the first slice again after the turn, to see what drifted or slipped."
+)
+def amc(rig_toml: Path, folder: Path, slices: int, object_id: str, tangent_zero_deg: float, closure: bool) -> None:
     """Shoot an Anisotropic MatCap session: a sphere of the material, turned about the camera's axis."""
-    from acquisition.plans import AmcPlan
+    from acquisition.plans import amc_plan
     from rig.config import read_rig
 
-    _capture(read_rig(rig_toml), AmcPlan(slices), folder, object_id, tangent_zero_deg)
+    _capture(read_rig(rig_toml), amc_plan(slices, closure=closure), folder, object_id, tangent_zero_deg)
 
 
 @capture.command(epilog="Example: litrig capture ptm rig.toml -o coin --lights 50 --object coin")
@@ -85,15 +88,11 @@ def amc(rig_toml: Path, folder: Path, slices: int, object_id: str, tangent_zero_
 @OBJECT
 def ptm(rig_toml: Path, folder: Path, lights: int, object_id: str) -> None:
     """Shoot a PTM session: a still object under a lamp that moves, or under the lamps of a dome."""
-    from acquisition.dome_plan import DomePlan
-    from acquisition.plans import PtmPlan
-    from rig.config import ArmConfig, read_rig
+    from acquisition.plans import ptm_plan
+    from rig.config import read_rig
 
     config = read_rig(rig_toml)
-    directions_deg = () if config.lights is None else config.lights.directions_deg
-    arm = config.arm if isinstance(config.arm, ArmConfig) else None
-    plan: Plan = DomePlan(lights, directions_deg) if directions_deg else PtmPlan(lights, arm=arm)
-    _capture(config, plan, folder, object_id, 0.0)
+    _capture(config, ptm_plan(lights, config), folder, object_id, 0.0)
 
 
 @capture.command(epilog="Example: litrig capture verify coin")
