@@ -15,7 +15,7 @@ from acquisition.plans.turn import TABLE_SIZE, WHOLE_TURN_DEG, Turn
 from litrig.base.capture_folder.capture import Role
 from litrig.base.config import StrictModel, read_toml
 from litrig.base.errors import ConfigError, InputError
-from rig.config import AlwaysOnConfig, RigConfig
+from rig.config import RigConfig
 
 Elevation = Annotated[float, Field(ge=-90, le=90)]
 Azimuth = Annotated[float, Field(ge=-360, le=720)]
@@ -181,7 +181,7 @@ class PlanFile(StrictModel):
         """Whether dark frames need nobody: all light comes from lamps that the rig switches, as far as is known."""
         if self.lights is None:
             return False
-        return config is None or not (config.lights is None or isinstance(config.lights, AlwaysOnConfig))
+        return config is None or (config.lights is not None and config.lights.switchable)
 
     @model_validator(mode="after")
     def _sections_of_its_kind(self) -> Self:

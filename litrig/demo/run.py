@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from acquisition.plans import Plan, amc_plan, ptm_plan
-from acquisition.session import SessionInfo, capture
+from acquisition.session import capture
+from acquisition.session_info import SessionInfo
+from acquisition.watching import watching
 from firmware_sim.config import SimConfig
 from firmware_sim.launch import simulated_rig
 from litrig.base.capture_folder.reader import read_capture
@@ -134,7 +136,8 @@ def _capture(what: str, sim: SimConfig, plan: Plan, folder: Path, stages: Stages
         config = read_rig(simulated.rig_toml)
         info = SessionInfo(object_id=folder.name)
         with stages.stage(f"capture of the {what}") as step:
-            complete = capture(config, plan, folder, info, report=step, environment=simulated.environment)
+            operator = watching("frames", step)
+            complete = capture(config, plan, folder, info, operator=operator, environment=simulated.environment)
     if not complete:
         raise KeyboardInterrupt
     findings = verify_capture(folder).findings

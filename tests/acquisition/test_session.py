@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 import simplejpeg
 
+from acquisition.events import FrameTaken, Paused, RunEvent
 from acquisition.plans import Plan, amc_plan, ptm_plan
-from acquisition.runner import FrameTaken, Paused, RunEvent, check_plan, run
+from acquisition.runner import check_plan, run
 from litrig.base.capture_folder import layout
 from litrig.base.capture_folder.journal import Journal, read_journal
 from litrig.base.capture_folder.writer import CaptureFolderWriter
@@ -177,12 +178,13 @@ def test_a_rig_without_a_camera_says_so_before_it_moves(bench: Bench) -> None:
 
 
 def test_a_full_disk_holds_the_rig(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(path: Path, content: bytes) -> None:
+    def full(path: Path, content: bytes, **_: object) -> None:
         raise InputError(f"{path}: cannot be written (No space left on device); free space")
 
     with monkeypatch.context() as patch, pytest.raises(HoldError, match="No space left"):
-        patch.setattr("litrig.base.capture_folder.writer.write_atomically", full)
-        with CaptureFolderWriter(bench.folder, Journal(bench.folder.with_suffix(".jsonl")), "x") as writer, bench.rig:
+        bench.folder.mkdir()
+        with CaptureFolderWriter(bench.folder, Journal(bench.folder / "journal.jsonl"), "x") as writer, bench.rig:
+            patch.setattr("litrig.base.capture_folder.writer.write_atomically", full)
             list(run(amc_plan(8), bench.rig, writer, lambda: False))
     assert bench.rig.state is RigState.HOLD
 

@@ -52,11 +52,14 @@ def read_capture(folder: Path, but_not: Path | None = None) -> Capture:
 
 
 def good_frames(entries: Iterable[Entry]) -> list[Entry]:
-    """Pick from a journal the frame that counts for each step: the last good one."""
+    """Pick from a journal the frame that counts for each step: the last good one that was not called back since."""
     latest: dict[Any, Entry] = {}
     for entry in entries:
         if entry.get("ev") == "frame" and entry.get("verdict") == "good":
             latest[entry["step"]] = entry
+        elif entry.get("ev") == "recall":
+            for step in entry["steps"]:
+                latest.pop(step, None)
     return [latest[step] for step in sorted(latest)]
 
 

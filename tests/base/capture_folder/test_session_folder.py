@@ -14,6 +14,7 @@ import simplejpeg
 from rocrate.rocrate import ROCrate
 
 from litrig.base.capture_folder import layout
+from litrig.base.capture_folder.crate import Description
 from litrig.base.capture_folder.journal import encode_entry, read_journal
 from litrig.base.capture_folder.reader import read_capture
 from litrig.base.capture_folder.verify import verify_capture
@@ -48,7 +49,8 @@ def shoot(folder: Path, frames: int = 3, *, close: bool = True) -> None:
         if close:
             names = tuple(f"{step:06d}.jpg" for step in range(frames))
             lights = Lights(names, np.array([[0.0, 0.6, 0.8]] * frames))
-            writer.close(lights, version="1", instruments=["camera /dev/video0"], started="2026-01-01T00:00:00+00:00")
+            about = Description("1", "2026-01-01T00:00:00+00:00", instruments=("camera /dev/video0",))
+            writer.close(lights, about)
 
 
 def test_the_library_of_congress_accepts_the_bag(tmp_path: Path) -> None:
