@@ -33,7 +33,7 @@ class Plan:
     Attributes
     ----------
     poses : the angles and lights
-    exposures : what is shot at each pose; a closure is one frame, with the exposure nearest to the rig's own
+    exposures : what is shot at each pose; a closure is one frame, alike the very first
     references : white, dark, ball and chart frames around them, each role once at most
     revisit_every : after so many poses the first one is shot again, as a closure that shows drift; None for never
     """
@@ -111,13 +111,13 @@ class Plan:
         seen = 0
         for pose in self.poses:
             if pose.role is Role.CLOSURE:
-                yield Shot(*pose, self.exposures.middle_ev)
+                yield Shot(*pose, self.exposures.bracket_ev[0])
                 continue
             first, seen = first or pose, seen + 1
             for exposure_ev in self.exposures.bracket_ev:
                 yield from [Shot(*pose, exposure_ev)] * self.exposures.average
             if self.revisit_every is not None and seen % self.revisit_every == 0:
-                yield Shot(*first._replace(role=Role.CLOSURE), self.exposures.middle_ev)
+                yield Shot(*first._replace(role=Role.CLOSURE), self.exposures.bracket_ev[0])
 
     def _reference_shots(self, reference: Reference) -> Iterator[Shot]:
         angle_deg = None if self.poses.turn is None else self.poses.turn.start_deg

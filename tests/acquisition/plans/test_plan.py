@@ -81,7 +81,7 @@ def test_the_first_pose_is_visited_again_after_every_so_many() -> None:
     assert [step.angle_deg for step in closures] == [5.0, 5.0, 365.0]
     assert [step.step for step in closures] == [12, 25, 34]
     assert [step.repeat for step in closures] == [0, 1, 0]
-    assert {step.exposure_ev for step in closures} == {0.0}
+    assert {step.exposure_ev for step in closures} == {1.0}, "they are held against the first frame"
 
 
 def test_every_slice_is_shot_under_every_light_forwards_and_backwards_in_turn() -> None:
