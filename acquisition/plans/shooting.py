@@ -17,7 +17,7 @@ ASKS = {
     Role.WHITE: ("Put the white card in place of the sample", SAMPLE_BACK),
     Role.BALL: ("Put the mirror ball in place of the sample", SAMPLE_BACK),
     Role.CHART: ("Put the colour chart in place of the sample", SAMPLE_BACK),
-    Role.DARK: ("", ""),
+    Role.DARK: ("", "Let the light in again"),
 }
 """What a person does before the first frame of a reference, and after its last."""
 COVER_LENS = ("Cover the lens, or switch all lamps off", "Uncover the lens, or switch the lamps on again")
