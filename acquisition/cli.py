@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from acquisition.plan_cli import plan
 from acquisition.session_info import SessionInfo, session_options
 from rig.options import RECORD, RIG
 
@@ -63,6 +64,9 @@ def capture() -> None:
     The first Ctrl-C pauses after the step under way and leaves the rig powered; the second stops it at once. Whatever
     ended a session, litrig capture resume goes on with it.
     """
+
+
+capture.add_command(plan)
 
 
 @capture.command(epilog="Example: litrig capture run rig.toml plan.toml -o coin --object coin --operator 'A. Smith'")

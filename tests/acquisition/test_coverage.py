@@ -31,7 +31,7 @@ def test_the_largest_gap_of_a_ring_is_its_middle() -> None:
 
 def test_lights_that_are_taken_away_leave_a_gap_where_they_were() -> None:
     hole = direction_from_angles(100, 40)
-    left = [aim for aim in evenly(80) if angle_between_deg(*directions([aim]), hole) > 20]
+    left = [aim for aim in evenly(80) if angle_between_deg(directions([aim])[0], hole) > 20]
     covered = light_coverage(left)
     middle = direction_from_angles(covered.gap_azimuth_deg, covered.gap_elevation_deg)
     assert angle_between_deg(middle, hole) < 5
