@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
 from acquisition.plans.limits import MOST_STEPS, check_range
-from acquisition.plans.poses import Pose, Poses
+from acquisition.plans.poses import Pose, PoseSequence
 from acquisition.plans.shooting import ONE_FRAME, Attendant, Exposures, Reference
 from acquisition.plans.step import Aim, Step
 from litrig.base.capture_folder.capture import Role
@@ -38,7 +38,7 @@ class Plan:
     revisit_every : after so many poses the first one is shot again, as a closure that shows drift; None for never
     """
 
-    poses: Poses
+    poses: PoseSequence
     exposures: Exposures = ONE_FRAME
     references: tuple[Reference, ...] = ()
     revisit_every: int | None = None

@@ -9,7 +9,7 @@ from acquisition.plans.choose_lights import LightWish, choose_lights
 from acquisition.plans.light_path import EVERYWHERE, USEFUL, Order, Sector
 from acquisition.plans.limits import FARTHEST_DEG, FARTHEST_EV, MOST_ALIKE, MOST_LIGHTS, MOST_STEPS
 from acquisition.plans.plan import Plan
-from acquisition.plans.poses import AmcPoses, Poses, ProductPoses, PtmPoses
+from acquisition.plans.poses import AmcPoses, PoseSequence, ProductPoses, PtmPoses
 from acquisition.plans.shooting import COVER_LENS, LONGEST_BRACKET, Exposures, Reference, Under, When
 from acquisition.plans.turn import TABLE_SIZE, WHOLE_TURN_DEG, Turn
 from litrig.base.capture_folder.capture import Role
@@ -167,7 +167,7 @@ class PlanFile(StrictModel):
         exposures = Exposures(self.bracket_ev, self.average)
         return Plan(self._poses(folder, config), exposures, references, self.revisit_every)
 
-    def _poses(self, folder: Path, config: RigConfig | None) -> Poses:
+    def _poses(self, folder: Path, config: RigConfig | None) -> PoseSequence:
         has_dome = config is not None and config.lights is not None and bool(config.lights.directions_deg)
         lights = None if self.lights is None else choose_lights(self.lights.wish(folder, has_dome=has_dome), config)
         turn = None if self.turn is None else self.turn.turn()

@@ -19,7 +19,7 @@ class Pose(NamedTuple):
     aim: Aim | None
 
 
-class Poses(Protocol):
+class PoseSequence(Protocol):
     """A finite sequence of poses of the roles frame and closure; iterating it twice gives the same."""
 
     @property

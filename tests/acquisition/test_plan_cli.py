@@ -103,7 +103,8 @@ def test_a_plan_beyond_the_rigs_limits_is_refused_in_one_line(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize(
-    ("seconds", "text"), [(0.4, "0 s"), (99, "99 s"), (100, "2 min"), (3600, "60 min"), (7384, "2 h 03 min")]
+    ("seconds", "text"),
+    [(0.4, "0 s"), (99, "99 s"), (100, "1 min 40 s"), (599.6, "10 min"), (3600, "60 min"), (7384, "2 h 03 min")],
 )
 def test_times_are_told_as_people_do(seconds: float, text: str) -> None:
     assert time_text(seconds) == text

@@ -5,7 +5,7 @@ from hypothesis.strategies import SearchStrategy
 
 from acquisition.plans import Plan
 from acquisition.plans.light_path import LightPath, Sector, evenly
-from acquisition.plans.poses import AmcPoses, Poses, ProductPoses, PtmPoses
+from acquisition.plans.poses import AmcPoses, PoseSequence, ProductPoses, PtmPoses
 from acquisition.plans.shooting import Exposures, Reference
 from acquisition.plans.turn import Turn
 from litrig.base.capture_folder.capture import Role
@@ -44,7 +44,7 @@ def references() -> SearchStrategy[tuple[Reference, ...]]:
     return st.lists(one, max_size=4, unique_by=lambda reference: reference.role).map(tuple)
 
 
-def poses() -> SearchStrategy[Poses]:
+def poses() -> SearchStrategy[PoseSequence]:
     return (
         st.builds(AmcPoses, turns(8, 40))
         | st.builds(PtmPoses, light_paths(6, 20))
