@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from acquisition.plan_cli import plan
 from acquisition.session_info import SessionInfo, session_options
 from rig.options import RECORD, RIG
 
@@ -65,6 +66,9 @@ def capture() -> None:
     """
 
 
+capture.add_command(plan)
+
+
 @capture.command(epilog="Example: litrig capture run rig.toml plan.toml -o coin --object coin --operator 'A. Smith'")
 @RIG
 @click.argument("plan_toml", metavar="PLAN.toml", type=click.Path(path_type=Path))
@@ -88,13 +92,16 @@ def run(rig_toml: Path, plan_toml: Path, folder: Path, info: SessionInfo, yes: b
 @click.option(
     "--slices", type=int, required=True, help="Frames over one turn, S_k; 2 to 4 times the table's size is ideal."
 )
+@click.option(
+    "--closure", is_flag=True, help="Shoot the first slice again after the turn, to see what drifted or slipped."
+)
 @session_options
-def amc(rig_toml: Path, folder: Path, slices: int, info: SessionInfo) -> None:
+def amc(rig_toml: Path, folder: Path, slices: int, closure: bool, info: SessionInfo) -> None:
     """Shoot an Anisotropic MatCap session: a sphere of the material, turned about the camera's axis."""
-    from acquisition.plans import AmcPlan
+    from acquisition.plans import amc_plan
     from rig.config import read_rig
 
-    _capture(read_rig(rig_toml), AmcPlan(slices), folder, info)
+    _capture(read_rig(rig_toml), amc_plan(slices, closure=closure), folder, info)
 
 
 @capture.command(epilog="Example: litrig capture ptm rig.toml -o coin --lights 50 --object coin")
@@ -110,15 +117,11 @@ def amc(rig_toml: Path, folder: Path, slices: int, info: SessionInfo) -> None:
 @session_options
 def ptm(rig_toml: Path, folder: Path, lights: int, info: SessionInfo) -> None:
     """Shoot a PTM session: a still object under a lamp that moves, or under the lamps of a dome."""
-    from acquisition.dome_plan import DomePlan
-    from acquisition.plans import PtmPlan
-    from rig.config import ArmConfig, read_rig
+    from acquisition.plans import ptm_plan
+    from rig.config import read_rig
 
     config = read_rig(rig_toml)
-    directions_deg = () if config.lights is None else config.lights.directions_deg
-    arm = config.arm if isinstance(config.arm, ArmConfig) else None
-    plan: Plan = DomePlan(lights, directions_deg) if directions_deg else PtmPlan(lights, arm=arm)
-    _capture(config, plan, folder, info)
+    _capture(config, ptm_plan(lights, config), folder, info)
 
 
 @capture.command(epilog="Example: litrig capture resume coin --rig rig.toml")

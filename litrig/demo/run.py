@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from acquisition.plans import AmcPlan, Plan, PtmPlan
+from acquisition.plans import Plan, amc_plan, ptm_plan
 from acquisition.session import capture
 from acquisition.session_info import SessionInfo
 from acquisition.watching import watching
@@ -85,8 +85,8 @@ def run_demo(folder: Path, size: DemoSize, kind: SceneKind, report: Report) -> P
     stages = Stages(size.expected_s(kind), report)
     brushed, relief = folder / "captures" / BRUSHED, folder / "captures" / RELIEF
     amc_file, ptm_file = folder / f"{BRUSHED}.amc.ktx2", folder / f"{RELIEF}.ptm"
-    _capture("brushed sphere", scenes.brushed_sphere(kind), AmcPlan(size.slices), brushed, stages)
-    _capture("relief", scenes.relief(kind), PtmPlan(size.lights), relief, stages)
+    _capture("brushed sphere", scenes.brushed_sphere(kind), amc_plan(size.slices), brushed, stages)
+    _capture("relief", scenes.relief(kind), ptm_plan(size.lights), relief, stages)
     with stages.stage("Anisotropic MatCap") as step:
         result = build(read_capture(brushed), Settings(size=size.table), report=step)
         write_amc(amc_file, result.amc)
