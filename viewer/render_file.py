@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from click import echo
 from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
@@ -11,8 +12,8 @@ from processing.amc.files import either
 from processing.amc.files.ktx2 import read_levels
 from processing.amc.mips import MipLevel
 from processing.amc.model import Amc
-from processing.mesh.builtin import builtin_mesh
 from processing.mesh.direction_map import read_directions
+from processing.mesh.either import mesh_of
 from processing.mesh.fields import painted, turned
 from processing.mesh.model import Mesh
 from processing.ptm.basis import PTM
@@ -35,7 +36,7 @@ class Staging:
 
     Attributes
     ----------
-    mesh : name of a builtin mesh; None is a torus for an AMC, and flat for a PTM
+    mesh : name of a builtin mesh, or a mesh file; None is a torus for an AMC, and flat for a PTM
     light : x and y of the unit vector to a PTM's light, view frame; None is one from the upper left
     size_px : width and height; None is 800 by 800, or the PTM's own size if it is flat
     background_srgb : colour behind the object, display values 0..1; None is transparent
@@ -103,8 +104,15 @@ def _read_amc(file: Path) -> tuple[Amc, list[MipLevel] | None]:
     return amc, levels if len(levels) > 1 else None
 
 
+def _mesh(staging: Staging) -> Mesh:
+    mesh, remarks = mesh_of(staging.mesh or DEFAULT_MESH)
+    for remark in remarks:
+        echo(remark, err=True)
+    return mesh
+
+
 def _mesh_with_grain(staging: Staging) -> Mesh:
-    mesh = builtin_mesh(staging.mesh or DEFAULT_MESH)
+    mesh = _mesh(staging)
     if staging.directions is not None:
         mesh = painted(mesh, read_directions(staging.directions), str(staging.directions))
     return turned(mesh, staging.turn_deg)
@@ -133,7 +141,7 @@ def _render_flat(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
 
 def _render_ptm_on_mesh(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
     _refuse_grain(file, staging)
-    mesh = builtin_mesh(staging.mesh or DEFAULT_MESH)
+    mesh = _mesh(staging)
     ptm = _read_ptm(file)
     with Renderer() as renderer:
         picture = renderer.render_ptm_on_mesh(

@@ -28,7 +28,7 @@ def builtin_mesh(name: str) -> Mesh:
     """
     if name not in _MAKERS:
         names = ", ".join(BUILTIN_NAMES)
-        raise InputError(f"mesh {name!r}: there is no such mesh, and mesh files cannot be read yet; use one of {names}")
+        raise InputError(f"mesh {name!r}: there is no such mesh; use one of {names}")
     return _MAKERS[name]()
 
 
