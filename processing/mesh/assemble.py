@@ -18,6 +18,7 @@ Bools = NDArray[np.bool_]
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
 
+_FARTHEST_UV = 1e9
 _NO_AREA = 1e-14
 """Of a triangle, doubled, in a mesh that fills the unit sphere: no pixel ever falls into it."""
 
@@ -132,8 +133,10 @@ def _checked(raw: _Joined, name: str) -> _Joined:
         raise InputError(f"{name}: {broken:,} of its {len(positions):,} positions are no numbers; export it again")
     named = np.zeros(len(raw.uvs), np.bool_)
     named[raw.layouts[raw.layouts >= 0]] = True
-    if not np.all(np.isfinite(raw.uvs[named])):
-        raise InputError(f"{name}: some of its texture coordinates are no numbers; export it again")
+    if not np.all(np.abs(raw.uvs[named]) <= _FARTHEST_UV):
+        raise InputError(
+            f"{name}: some of its texture coordinates are no numbers, or beyond ±{_FARTHEST_UV:g}; export it again"
+        )
     return replace(raw, positions=positions, triangles=(np.cumsum(used) - 1)[raw.triangles])
 
 

@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from litrig.base.errors import FormatError
+from processing.mesh.files.glb_nodes import as_index, flat_nodes
 from processing.mesh.files.pieces import MOST_TRIANGLES
 
 Json = dict[str, Any]
 
-MOST_NODES = 2_000
+MOST_PARTS = 20_000
 _TRIANGLES, _STRIP = 4, 5
 _COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 _FLOAT = 5126
@@ -70,6 +71,7 @@ class _Reduction:
         self._accessors: list[Json] = []
         self._renamed: dict[int, int] = {}
         self._triangles: list[int] = []
+        self._parts: list[int] = []
         self._skipped = 0
         self._elsewhere: set[int] = set()
 
@@ -78,7 +80,7 @@ class _Reduction:
             if any(word in str(name).lower() for word in _COMPRESSED):
                 raise FormatError(f"{self._path}: needs {str(name)[:60]!r}; export it without compression")
         meshes = [self._mesh(mesh) for mesh in self._old.get("meshes", [])]
-        scene = self._old.get("scenes", [{}])[_index(self._old.get("scene", 0))]
+        scene = self._old.get("scenes", [{}])[as_index(self._old.get("scene", 0))]
         nodes = self._nodes(scene.get("nodes", []))
         header = {
             "asset": {"version": "2.0"},
@@ -87,7 +89,7 @@ class _Reduction:
             "accessors": self._accessors,
             "meshes": meshes,
             "nodes": nodes,
-            "scenes": [{"nodes": [_index(number) for number in scene.get("nodes", [])]}],
+            "scenes": [{"nodes": list(range(len(nodes)))}],
             "scene": 0,
         }
         reduced = Reduced(header)
@@ -113,33 +115,34 @@ class _Reduction:
                     if name in attributes
                 },
             }
-            corners = self._old["accessors"][_index(attributes["POSITION"])]["count"]
+            corners = self._old["accessors"][as_index(attributes["POSITION"])]["count"]
             if "indices" in primitive:
                 new["indices"] = self._accessor(primitive["indices"], "SCALAR")
-                corners = self._old["accessors"][_index(primitive["indices"])]["count"]
+                corners = self._old["accessors"][as_index(primitive["indices"])]["count"]
             triangles += corners // 3 if mode == _TRIANGLES else max(0, corners - 2)
             kept.append(new)
         self._triangles.append(triangles)
+        self._parts.append(len(kept))
         return {"primitives": kept}
 
     def _accessor(self, number: int, kind: str) -> int:
         """Check a table of numbers, and return the number that it has in what is kept."""
-        number = _index(number)
+        number = as_index(number)
         if number in self._renamed:
             return self._renamed[number]
         old = self._old["accessors"][number]
-        component, count = old["componentType"], _index(old["count"])
+        component, count = old["componentType"], as_index(old["count"])
         if "sparse" in old or "bufferView" not in old:
             raise FormatError(
                 f"{self._path}: its accessor {number} is sparse or compressed, which is not read; export it plainly"
             )
         if old["type"] != kind or component not in _COMPONENT_BYTES or (kind == "SCALAR" and component == _FLOAT):
             raise FormatError(f"{self._path}: its accessor {number} is no {kind} of this use; export it again")
-        view = self._view(_index(old["bufferView"]))
+        view = self._view(as_index(old["bufferView"]))
         row_bytes = _COMPONENTS[kind] * _COMPONENT_BYTES[component]
         if old["bufferView"] in self._elsewhere:
             raise FormatError(f"{self._path}: keeps its geometry in another file, which is not read; export it as one")
-        start, stride = _index(old.get("byteOffset", 0)), view.get("byteStride", row_bytes)
+        start, stride = as_index(old.get("byteOffset", 0)), view.get("byteStride", row_bytes)
         needed = start + (count - 1) * stride + row_bytes if count else 0
         if needed > view["byteLength"] or stride < row_bytes:
             raise FormatError(
@@ -152,8 +155,8 @@ class _Reduction:
 
     def _view(self, number: int) -> Json:
         old = self._old["bufferViews"][number]
-        start, length = _index(old.get("byteOffset", 0)), _index(old["byteLength"])
-        buffer = self._old["buffers"][_index(old["buffer"])]
+        start, length = as_index(old.get("byteOffset", 0)), as_index(old["byteLength"])
+        buffer = self._old["buffers"][as_index(old["buffer"])]
         if old["buffer"] != 0 or "uri" in buffer:
             self._elsewhere.add(number)  # pictures may be, for they are not looked at
             return {"buffer": 0, "byteOffset": 0, "byteLength": 0}
@@ -162,27 +165,14 @@ class _Reduction:
                 f"{self._path}: wants {start + length:,} of {self._binary_bytes:,} bytes of its data; copy it again"
             )
         view = {"buffer": 0, "byteOffset": start, "byteLength": length}
-        return {**view, "byteStride": _index(old["byteStride"])} if "byteStride" in old else view
+        return {**view, "byteStride": as_index(old["byteStride"])} if "byteStride" in old else view
 
     def _nodes(self, roots: list[int]) -> list[Json]:
-        old = self._old.get("nodes", [])
-        if len(old) > MOST_NODES:
-            raise FormatError(f"{self._path}: has {len(old):,} nodes, {MOST_NODES:,} are the most; join them")
-        children = [_index(child) for node in old for child in node.get("children", [])]
-        named = children + [_index(root) for root in roots]
-        if len(set(named)) != len(named):
-            raise FormatError(f"{self._path}: its nodes are no tree, one hangs at two places; export it again")
-        if any(number >= len(old) for number in named):
-            raise FormatError(f"{self._path}: a node names one that is not among its {len(old)}; export it again")
-        total = sum(self._triangles[_index(node["mesh"])] for node in old if "mesh" in node)
+        nodes = flat_nodes(self._path, self._old.get("nodes", []), roots)
+        parts = max(sum(self._parts), sum(self._parts[node["mesh"]] for node in nodes))
+        if parts > MOST_PARTS:
+            raise FormatError(f"{self._path}: has {parts:,} parts, {MOST_PARTS:,} are the most; join them")
+        total = sum(self._triangles[node["mesh"]] for node in nodes)
         if total > MOST_TRIANGLES:
             raise FormatError(f"{self._path}: has {total:,} triangles, {MOST_TRIANGLES:,} are the most; reduce it")
-        keys = ("children", "mesh", "matrix", "translation", "rotation", "scale")
-        return [{key: node[key] for key in keys if key in node} for node in old]
-
-
-def _index(value: Any) -> int:
-    """Return a number that counts something."""
-    if not isinstance(value, int) or isinstance(value, bool) or value < 0:
-        raise ValueError(f"{str(value)[:20]!r} where a number of something should be")
-    return value
+        return nodes

@@ -16,13 +16,16 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import FormatError
 from litrig.base.files import read_limited
-from processing.mesh.files.pieces import MOST_BYTES, MOST_TRIANGLES, Piece
+from processing.mesh.files.pieces import MOST_BYTES, MOST_LINES, MOST_TRIANGLES, Piece
 
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
 
 _TABLES = {b"v": "v", b"vt": "vt", b"vn": "vn"}
 _WIDTHS = {"v": 3, "vt": 2, "vn": 3}
+_NOUGHT = (0, 0, 0)
+_LONGEST = 1 << 20
+"""Of a line, in bytes: a polygon of some hundred thousand corners."""
 
 
 @dataclass
@@ -33,7 +36,7 @@ class _Faces:
     numbers: list[int] = field(default_factory=list)
     """Of the lines in the file."""
     counts: list[tuple[int, int, int]] = field(default_factory=list)
-    """Rows of v, vt and vn before each line, from which negative indices count back."""
+    """Rows of v, vt and vn before each line, from which negative indices count back; 0 where there are none."""
 
 
 def read_obj(path: Path) -> list[Piece]:
@@ -44,7 +47,12 @@ def read_obj(path: Path) -> list[Piece]:
     InputError, FormatError
         The file is missing, too large, or a line of it makes no sense; the message names the line.
     """
-    tables, faces = _sort_lines(path, read_limited(path, MOST_BYTES))
+    content = read_limited(path, MOST_BYTES)
+    if max(content.count(b"\n"), content.count(b"\r")) > MOST_LINES:
+        raise FormatError(f"{path}: has more than {MOST_LINES:,} lines; reduce it")
+    if sum(content.count(start) for start in (b"\nf ", b"\nf\t", b"\rf ", b"\rf\t")) > MOST_TRIANGLES:
+        raise FormatError(f"{path}: has more than {MOST_TRIANGLES:,} faces; reduce it")
+    tables, faces = _sort_lines(path, content)
     rows = {name: _numbers(path, name, lines, numbers) for name, (lines, numbers) in tables.items()}
     triangles = sum(len(alike.lines) * (corners - 2) for (corners, _), alike in faces.items())
     if triangles > MOST_TRIANGLES:
@@ -62,13 +70,15 @@ def _sort_lines(
     faces: dict[tuple[int, str], _Faces] = defaultdict(_Faces)
     places, layouts, uprights = (tables[name][0] for name in _WIDTHS)
     for number, line in enumerate(_lines(content), start=1):
+        if len(line) > _LONGEST:
+            raise FormatError(f"{path}: line {number} has more than {_LONGEST:,} bytes; export it again, as triangles")
         keyword, _, rest = line.strip().partition(b" ")
         if keyword == b"f":
             rest = rest.partition(b"#")[0]
             alike = faces[_way_of_writing(path, number, rest)]
             alike.lines.append(rest)
             alike.numbers.append(number)
-            alike.counts.append((len(places), len(layouts), len(uprights)))
+            alike.counts.append((len(places), len(layouts), len(uprights)) if b"-" in rest else _NOUGHT)
         elif (name := _TABLES.get(keyword)) is not None:
             tables[name][0].append(rest.partition(b"#")[0])
             tables[name][1].append(number)

@@ -8,8 +8,10 @@ from numpy.typing import NDArray
 F64 = NDArray[np.float64]
 I64 = NDArray[np.int64]
 
-MOST_BYTES = 1 << 30
+MOST_BYTES = 600_000_000
 """Of a mesh file."""
+MOST_LINES = 15_000_000
+"""Of a mesh file that is text: what readers make of a line takes far more than the line."""
 MOST_TRIANGLES = 5_000_000
 """Of a mesh, every copy in a scene counted."""
 

@@ -11,7 +11,7 @@ from trimesh.exchange.stl import load_stl
 from litrig.base.errors import FormatError
 from litrig.base.files import read_limited
 from processing.mesh.files.by_library import read_by_library, table, triangle_table
-from processing.mesh.files.pieces import MOST_BYTES, MOST_TRIANGLES, Piece
+from processing.mesh.files.pieces import MOST_BYTES, MOST_LINES, MOST_TRIANGLES, Piece
 
 _UV_NAMES = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"))
 _HEADER_BYTES = 1 << 16
@@ -44,6 +44,8 @@ def read_stl(path: Path) -> list[Piece]:
         The file is missing, too large, damaged, or has no faces.
     """
     content = read_limited(path, MOST_BYTES)
+    if content.lower().count(b"vertex") > 3 * MOST_TRIANGLES:
+        raise FormatError(f"{path}: has more than {MOST_TRIANGLES:,} triangles; reduce it")
     found = read_by_library(path, content, lambda file: _stl_pieces(load_stl(file)))
     if not found:
         raise FormatError(f"{path}: holds no faces; export it again, as triangles")
@@ -61,6 +63,8 @@ def _check_header(path: Path, content: bytes) -> None:
     header, end, _ = content[:_HEADER_BYTES].partition(b"end_header")
     if not header.startswith(b"ply") or not end:
         raise FormatError(f"{path}: is cut short or no PLY, its header does not end; export it again")
+    if b"format ascii" in header and max(content.count(b"\n"), content.count(b"\r")) > MOST_LINES:
+        raise FormatError(f"{path}: has more than {MOST_LINES:,} lines; reduce it")
     for line in header.splitlines():
         words = line.split()
         if words[:1] != [b"element"]:

@@ -185,6 +185,7 @@ def test_what_no_triangle_uses_does_not_matter() -> None:
         (square(positions=SQUARE * np.float64(math.nan)), "4 of its 4 positions are no numbers"),
         (square(positions=SQUARE + np.array([math.inf, 0, 0])), "4 of its 4 positions are no numbers"),
         (square(uvs=UVS * np.float64(math.nan)), "texture coordinates are no numbers"),
+        (square(uvs=UVS * np.float64(1e300)), "texture coordinates are no numbers, or beyond"),
         (square(positions=SQUARE * np.float64(0)), "no triangle with an area"),
         (square(positions=np.tile([3.0, 4, 5], (4, 1))), "no triangle with an area"),
         (square(positions=SQUARE * np.array([1.0, 0, 0])), "no triangle with an area"),

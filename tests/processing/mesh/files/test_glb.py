@@ -59,6 +59,12 @@ def test_nodes_place_their_mesh_one_inside_the_other(tmp_path: Path) -> None:
     np.testing.assert_allclose(moved.positions, SQUARE + np.array([0, 0, 7]))
 
 
+def test_a_deep_tree_is_no_harder_than_a_flat_one(tmp_path: Path) -> None:
+    nodes: list[Header] = [{"children": [number + 1], "translation": [0, 1, 0]} for number in range(3000)]
+    (piece,), _ = read_glb(written(tmp_path, *square_scene(nodes=[*nodes, {"mesh": 0}])))
+    np.testing.assert_allclose(piece.positions, SQUARE + np.array([0, 3000, 0]))
+
+
 def test_a_mirrored_node_keeps_its_outside_outside(tmp_path: Path) -> None:
     """And a scale turns normals the other way round than points."""
     leaning = np.tile(np.array([0.6, 0, 0.8], np.float32), (4, 1))
@@ -151,8 +157,17 @@ def change(*steps: str | int, to: Any) -> Callable[[Header], None]:
         pytest.param(change("nodes", 0, "mesh", to=7), "its header is damaged", id="no such mesh"),
         pytest.param(change("nodes", 0, "children", to=[0]), "are no tree", id="a node in itself"),
         pytest.param(change("nodes", 0, "children", to=[7]), "not among its 1", id="no such node"),
-        pytest.param(change("nodes", 0, "matrix", to=[1, 2]), "is damaged or no GLB", id="half a matrix"),
-        pytest.param(change("nodes", to=[{"mesh": 0}] * 2001), "2,001 nodes", id="many nodes"),
+        pytest.param(change("nodes", 0, "matrix", to=[1, 2]), "its header is damaged", id="half a matrix"),
+        pytest.param(
+            lambda header: header["meshes"].__setitem__(0, {"primitives": header["meshes"][0]["primitives"] * 20_001}),
+            "20,001 parts",
+            id="many parts",
+        ),
+        pytest.param(
+            change("nodes", 0, "rotation", to=[0, 0, 0, 0]), "its header is damaged", id="a turn about nothing"
+        ),
+        pytest.param(change("nodes", 0, "scale", to=[1, 1, 1e999]), "its header is damaged", id="an endless scale"),
+        pytest.param(change("nodes", to=[{"mesh": 0}] * 20_001), "20,001 nodes", id="many nodes"),
         pytest.param(change("scenes", 0, "nodes", to=[]), "holds no triangles", id="an empty scene"),
         pytest.param(change("meshes", to=[]), "its header is damaged", id="no meshes"),
         pytest.param(change("meshes", to=7), "its header is damaged", id="meshes as a number"),

@@ -107,6 +107,19 @@ def test_more_triangles_than_allowed_are_counted_before_they_are_made(
     monkeypatch.setattr(obj, "MOST_TRIANGLES", 3)
     with pytest.raises(FormatError, match="has 4 triangles, 3 are the most"):
         read_obj(written(tmp_path, TRIANGLE + "f 1 2 3 1 2 3\n"))
+    with pytest.raises(FormatError, match="has more than 3 faces"):
+        read_obj(written(tmp_path, TRIANGLE + "f 1 2 3\n" * 4))
+
+
+@pytest.mark.parametrize(
+    ("limit", "value", "reason"), [("MOST_LINES", 5, "more than 5 lines"), ("_LONGEST", 9, "line 5 has")]
+)
+def test_hostile_files_are_refused_before_they_grow(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, limit: str, value: int, reason: str
+) -> None:
+    monkeypatch.setattr(obj, limit, value)
+    with pytest.raises(FormatError, match=reason):
+        read_obj(written(tmp_path, TRIANGLE + "f 1 2 3\n" + "f 1 2 3 1 2 3\nf 1 2 3\n"))
 
 
 @given(st.binary(max_size=200))

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from litrig.base.errors import FormatError, InputError
+from processing.mesh.files import ply as module
 from processing.mesh.files.ply import read_ply, read_stl
 from tests.processing.mesh.files.scenes import HALVES, NORMALS, SQUARE, UVS, ply, stl
 
@@ -90,6 +91,16 @@ def test_a_letter_in_ascii_is_an_error(tmp_path: Path) -> None:
     path.write_bytes(path.read_bytes().replace(b"1 1 0 0 0 1", b"1 x 0 0 0 1"))
     with pytest.raises(FormatError, match="is damaged or no PLY"):
         read_ply(path)
+
+
+def test_hostile_text_is_refused_before_it_grows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "MOST_LINES", 12)
+    with pytest.raises(FormatError, match="more than 12 lines"):
+        read_ply(ply(tmp_path, ascii_=True))
+    monkeypatch.setattr(module, "MOST_TRIANGLES", 1)
+    (tmp_path / "x.stl").write_bytes(stl(ascii_=True))
+    with pytest.raises(FormatError, match="more than 1 triangles"):
+        read_stl(tmp_path / "x.stl")
 
 
 @pytest.mark.parametrize(
