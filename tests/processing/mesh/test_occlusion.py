@@ -68,7 +68,7 @@ def test_a_plane_under_a_sphere(radius: float) -> None:
     height = 0.5
     ways = np.array([0, 0.1, 0.25, 0.5, 1, 2])
     points = floor(np.stack([ways, 0 * ways, 0.3 * ways], axis=1))
-    found = ambient_occlusion(join(points, ball(radius, height)), rays=1024)[: 3 * len(ways) : 3]
+    found = ambient_occlusion(join(points, ball(radius, height)), rays=512)[: 3 * len(ways) : 3]
     away = np.hypot(np.hypot(ways, 0.3 * ways), height)
     np.testing.assert_allclose(found, 1 - (radius / away) ** 2 * height / away, atol=0.004)
 
@@ -77,7 +77,7 @@ def test_a_plane_under_a_sphere(radius: float) -> None:
 def test_inside_of_a_sphere_every_place_sees_the_opening_alike(opening: float) -> None:
     """By its share of the sphere's area, wherever it is."""
     mesh = inside_of(opening)
-    found = ambient_occlusion(mesh, rays=1024)
+    found = ambient_occlusion(mesh, rays=512)
     deep = mesh.positions[:, 1] < 1 - 2 * opening - 0.1  # at the rim the facets are not quite the sphere
     assert np.abs(found[deep] - opening).mean() < 0.004
     assert np.abs(found[deep] - opening).max() < 0.02
