@@ -49,13 +49,13 @@ def ambient_occlusion(mesh: Mesh, *, rays: int = RAYS, reach: float = math.inf) 
     casts = _Caster(mesh)
     # Where vertices differ in their texture coordinates alone they see the same.
     different, numbers = unique_rows(np.concatenate([mesh.positions, mesh.normals], axis=1))
-    directions = cosine_directions(rays)
+    directions = cosine_directions(rays).astype(np.float32)
     openness = np.zeros(len(different), np.float32)
     step = max(1, _RAYS_AT_ONCE // rays)
     for start in range(0, len(different), step):
         some = different[start : start + step]
-        frames = frames_about(some[:, 3:])
-        along = np.einsum("vij,rj->vri", frames, directions).reshape(-1, 3).astype(np.float32)
+        frames = frames_about(some[:, 3:]).astype(np.float32)
+        along = (directions @ frames.transpose(0, 2, 1)).reshape(-1, 3)
         origins = np.repeat((some[:, :3] + some[:, 3:] * _LIFT).astype(np.float32), rays, axis=0)
         hidden = casts(origins, along, reach).reshape(-1, rays)
         openness[start : start + step] = 1 - hidden.mean(axis=1)
