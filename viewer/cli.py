@@ -29,7 +29,11 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
 @click.option(
     "-o", "--output", metavar="IMAGE", type=click.Path(path_type=Path), required=True, help="PNG, JPEG, TIFF or EXR."
 )
-@click.option("--mesh", metavar="NAME", help="What to show it on: torus, sphere, cloth, ribbon, pillow or sewn.")
+@click.option(
+    "--mesh",
+    metavar="NAME|FILE",
+    help="What to show it on: torus, sphere, cloth, ribbon, pillow, sewn, shirt, or a file (OBJ, PLY, GLB, STL).",
+)
 @click.option(
     "--light",
     metavar="U V",

@@ -40,7 +40,7 @@ class Staging:
 
     Attributes
     ----------
-    mesh : name of a builtin mesh; None is a torus, and flat for a PTM
+    mesh : name of a builtin mesh, or a mesh file; None is a torus, and flat for a PTM
     light : x and y of the unit vector to a PTM's light, view frame; None is one from the upper left
     size_px : width and height; None is 800 by 800, or the PTM's own size if it is flat
     background_srgb : colour behind the object, display values 0..1; None is transparent

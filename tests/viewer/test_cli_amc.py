@@ -149,7 +149,7 @@ def test_what_does_not_go_together_is_one_clear_error(
 
 
 def test_ambient_occlusion_of_the_mesh_darkens(files: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("viewer.render_file.builtin_mesh", lambda _name: with_occlusion(torus(48, 24)))
+    monkeypatch.setattr("viewer.render_file.mesh_of", lambda _name: (with_occlusion(torus(48, 24)), ()))
     for name in ("x.amc.ktx2", "x.amc.exr", "x.png"):
         dark, bright = (draw(files, tmp_path / "x.png", name, *option) for option in (["--occlusion"], []))
         assert apart(dark, bright) > 20
