@@ -9,7 +9,9 @@ from click.core import ParameterSource
 Colour = tuple[float, float, float]
 
 _SIDE_PX = click.IntRange(1, 8192)
-_FOR_A_MESH = frozenset({"projection", "yaw_deg", "pitch_deg", "fov_deg", "zoom", "background", "supersample"})
+_FOR_A_MESH = frozenset(
+    {"projection", "yaw_deg", "pitch_deg", "fov_deg", "zoom", "background", "supersample", "occlusion", "tangents"}
+)
 
 
 def _background(_context: click.Context, _option: click.Parameter, value: str) -> Colour | None:
@@ -49,6 +51,40 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
     type=float,
     default=0.0,
     help="Turn the grain of an AMC in the surface, counter-clockwise seen from outside.",
+)
+@click.option(
+    "--unlit",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    help="The same AMC shot without its key light, as amc build --unlit writes it: shown where the mesh keeps the key "
+    "light from itself. Needs --key.",
+)
+@click.option(
+    "--key",
+    metavar="U V",
+    type=(float, float),
+    help="Where the key light of --unlit stands, seen from the camera: right and up, U² + V² ≤ 1.",
+)
+@click.option(
+    "--add",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    help="An AMC whose light is added: X.high.amc.ktx2 to X.low.amc.ktx2, as amc build --split writes them.",
+)
+@click.option(
+    "--coordinates",
+    type=click.Choice(["fragment", "mixed", "vertex"]),
+    default="fragment",
+    show_default=True,
+    help="Where an AMC's coordinates are found: all at every pixel; k at the mesh's vertices; or all at the vertices.",
+)
+@click.option("--occlusion", is_flag=True, help="Darken by the mesh's ambient occlusion.")
+@click.option("--tangents", is_flag=True, help="Draw the mesh's tangents over it as short lines.")
+@click.option(
+    "--beside",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    help="Another material, drawn to the right of the first on the same mesh.",
 )
 @click.option("--size", "size_px", metavar="W H", type=(_SIDE_PX, _SIDE_PX), help="Pixels; 800 800 if left out.")
 @click.option(
@@ -97,6 +133,13 @@ def render(
     light: tuple[float, float] | None,
     directions: Path | None,
     turn_deg: float,
+    unlit: Path | None,
+    key: tuple[float, float] | None,
+    add: Path | None,
+    coordinates: str,
+    occlusion: bool,
+    tangents: bool,
+    beside: Path | None,
     size_px: tuple[int, int] | None,
     projection: str,
     yaw_deg: float,
@@ -108,14 +151,21 @@ def render(
 ) -> None:
     """Draw a material into a picture; neither a display nor a graphics card is needed.
 
-    An Anisotropic MatCap (.amc.ktx2) is shown on a mesh, by default a torus. A PTM (.ptm, .ptm.exr or a web folder) is
-    relit flat at its own size, its values as the picture's values; with --mesh it is laid on that mesh.
+    An Anisotropic MatCap (.amc.ktx2 or .amc.exr) or a plain MatCap (a square picture of a ball) is shown on a mesh, by
+    default a torus. A PTM (.ptm, .ptm.exr or a web folder) is relit flat at its own size, its values as the picture's
+    values; with --mesh it is laid on that mesh.
     """
-    from viewer.render_file import Staging, render_file
+    from viewer.materials.amc import Coordinates
+    from viewer.render_file import render_file
+    from viewer.staging import AmcStaging, Staging
     from viewer.view import Projection, View
 
     view = View(Projection(projection), yaw_deg, pitch_deg, fov_deg, zoom)
-    staging = Staging(mesh, light, size_px, view, background, supersample, directions, turn_deg, _given_mesh_options())
+    amc = AmcStaging(directions, turn_deg, Coordinates(coordinates), unlit, key, add)
+    staging = Staging(
+        *(mesh, light, size_px, view, background, supersample, amc, occlusion, tangents, beside),
+        mesh_options=_given_mesh_options(),
+    )
     width, height = render_file(file, output, staging)
     click.echo(f"{output}: {width} × {height} pixels")
 

@@ -1,59 +1,27 @@
 """From a material file to a picture file."""
 
-from dataclasses import dataclass, field
+import dataclasses
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
-from processing.amc.files import either
-from processing.amc.files.ktx2 import read_levels
-from processing.amc.mips import MipLevel
-from processing.amc.model import Amc
 from processing.mesh.builtin import builtin_mesh
 from processing.mesh.direction_map import read_directions
 from processing.mesh.fields import painted, turned
 from processing.mesh.model import Mesh
-from processing.ptm.basis import PTM
-from processing.ptm.files.either import ENDINGS as PTM_ENDINGS
-from processing.ptm.files.either import holds_material, read_any
-from processing.ptm.model import Ptm
+from processing.ptm.files.either import holds_material
+from viewer.geometry import Geometry, mesh_geometry
+from viewer.materials.ptm import ptm_picture
+from viewer.opened import is_amc, open_look, read_ptm_to_draw, refuse_amc_staging
 from viewer.renderer import Renderer
 from viewer.save import save_flat, save_rendered
-from viewer.view import View
+from viewer.staging import DEFAULT_LIGHT, DEFAULT_MESH, DEFAULT_SIZE_PX, AmcStaging, Staging
+from viewer.tangent_lines import lines_look, tangent_lines
+from viewer.targets import Target
 
-DEFAULT_SIZE_PX = (800, 800)
-DEFAULT_LIGHT = (-0.4, 0.4)
-DEFAULT_MESH = "torus"
-DARK_GREY = (0x20 / 255, 0x21 / 255, 0x24 / 255)
-
-
-@dataclass(frozen=True)
-class Staging:
-    """How a material is shown.
-
-    Attributes
-    ----------
-    mesh : name of a builtin mesh; None is a torus for an AMC, and flat for a PTM
-    light : x and y of the unit vector to a PTM's light, view frame; None is one from the upper left
-    size_px : width and height; None is 800 by 800, or the PTM's own size if it is flat
-    background_srgb : colour behind the object, display values 0..1; None is transparent
-    supersample : draw so many times finer and average
-    directions : picture of the grain's direction on the mesh, as `read_directions` reads it; None is the mesh's own
-    turn_deg : then turns the grain in the surface, counter-clockwise seen from outside
-    mesh_options : what was asked for, by its option's name, that means something on a mesh only
-    """
-
-    mesh: str | None = None
-    light: tuple[float, float] | None = None
-    size_px: tuple[int, int] | None = None
-    view: View = field(default_factory=lambda: View(pitch_deg=30))
-    background_srgb: tuple[float, float, float] | None = DARK_GREY
-    supersample: int = 3
-    directions: Path | None = None
-    turn_deg: float = 0.0
-    mesh_options: tuple[str, ...] = ()
+F32 = NDArray[np.float32]
 
 
 def render_file(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
@@ -66,94 +34,59 @@ def render_file(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
     MissingToolError
         OpenGL is not installed.
     """
-    name = file.name.lower()
-    if name.endswith(either.ENDINGS):
-        return _render_amc(file, output, staging)
-    if holds_material(file):
-        return (
-            _render_flat(file, output, staging) if staging.mesh is None else _render_ptm_on_mesh(file, output, staging)
-        )
-    endings = ", ".join(either.ENDINGS + PTM_ENDINGS)
-    raise InputError(f"{file}: unknown ending; give a file that ends in {endings}, or a web folder")
-
-
-def _render_amc(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
-    if staging.light is not None:
-        raise InputError(f"{file}: an AMC was lit when it was captured; leave out the light, turn the object instead")
-    mesh = _mesh_with_grain(staging)
-    amc, levels = _read_amc(file)
-    with Renderer() as renderer:
-        picture = renderer.render_amc(
-            amc,
-            mesh,
-            staging.view,
-            size=staging.size_px or DEFAULT_SIZE_PX,
-            levels=levels,
-            supersample=staging.supersample,
-        )
+    if holds_material(file) and staging.mesh is None and staging.beside is None:
+        return _render_flat(file, output, staging)
+    mesh = _staged_mesh(staging)
+    with Renderer() as renderer, renderer.upload(mesh_geometry, mesh) as geometry:
+        pictures = [_mesh_picture(renderer, file, staging, mesh, geometry)]
+        if staging.beside is not None:
+            pictures.append(_mesh_picture(renderer, staging.beside, _staged_beside(staging), mesh, geometry))
+    picture = np.concatenate(pictures, axis=1)
     save_rendered(output, picture, staging.background_srgb)
-    return _size_of(picture)
+    return picture.shape[1], picture.shape[0]
 
 
-def _read_amc(file: Path) -> tuple[Amc, list[MipLevel] | None]:
-    """Read a table and its smaller levels; a file that has none leaves them to whoever reads it."""
-    if file.name.lower().endswith(either.LOW_RANK):
-        return either.read_any(file), None
-    amc, levels = read_levels(file)
-    return amc, levels if len(levels) > 1 else None
+def _mesh_picture(renderer: Renderer, file: Path, staging: Staging, mesh: Mesh, geometry: Geometry) -> F32:
+    size = staging.size_px or DEFAULT_SIZE_PX
+    with (
+        open_look(renderer, file, staging, geometry) as look,
+        renderer.upload(Target, size, staging.supersample) as target,
+    ):
+        renderer.draw(look, geometry, target, staging.view)
+        if staging.tangents:
+            with renderer.upload(tangent_lines, mesh) as lines:
+                renderer.draw(lines_look(), lines, target, staging.view, clear=False)
+        return target.read()
 
 
-def _mesh_with_grain(staging: Staging) -> Mesh:
+def _staged_beside(staging: Staging) -> Staging:
+    """Leave out what was said of the first material and does not go with the second; the mesh has its grain already."""
+    other = staging.beside
+    is_table = other is not None and is_amc(other)
+    amc = AmcStaging(coordinates=staging.amc.coordinates) if is_table else AmcStaging()
+    return dataclasses.replace(staging, amc=amc, light=staging.light if other and holds_material(other) else None)
+
+
+def _staged_mesh(staging: Staging) -> Mesh:
     mesh = builtin_mesh(staging.mesh or DEFAULT_MESH)
-    if staging.directions is not None:
-        mesh = painted(mesh, read_directions(staging.directions), str(staging.directions))
-    return turned(mesh, staging.turn_deg)
-
-
-def _refuse_grain(file: Path, staging: Staging) -> None:
-    if staging.directions is not None or staging.turn_deg:
+    if staging.amc.directions is not None:
+        mesh = painted(mesh, read_directions(staging.amc.directions), str(staging.amc.directions))
+    if staging.occluded and mesh.occlusion is None:
         raise InputError(
-            f"{file}: a PTM has no grain to turn or to paint; leave out the turn and the directions, or give an AMC"
+            f"mesh {staging.mesh or DEFAULT_MESH!r}: its ambient occlusion is not known; leave out --occlusion"
         )
+    return turned(mesh, staging.amc.turn_deg)
 
 
 def _render_flat(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
-    _refuse_grain(file, staging)
+    refuse_amc_staging(file, staging, "a PTM")
     if staging.size_px is not None:
         raise InputError(f"{file}: a flat PTM has its own size; leave out the size, or name a mesh")
     if staging.mesh_options:
         options = ", ".join(staging.mesh_options)
         raise InputError(f"{file}: {options} would not change a flat PTM; leave it out, or name a mesh")
-    ptm = _read_ptm(file)
+    ptm = read_ptm_to_draw(file)
     with Renderer() as renderer:
-        values = renderer.render_ptm(ptm, staging.light or DEFAULT_LIGHT)
+        values = ptm_picture(renderer, ptm, staging.light or DEFAULT_LIGHT)
     save_flat(output, values, ptm)
-    return _size_of(values)
-
-
-def _render_ptm_on_mesh(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
-    _refuse_grain(file, staging)
-    mesh = builtin_mesh(staging.mesh or DEFAULT_MESH)
-    ptm = _read_ptm(file)
-    with Renderer() as renderer:
-        picture = renderer.render_ptm_on_mesh(
-            ptm,
-            mesh,
-            staging.view,
-            staging.light or DEFAULT_LIGHT,
-            size=staging.size_px or DEFAULT_SIZE_PX,
-            supersample=staging.supersample,
-        )
-    save_rendered(output, picture, staging.background_srgb)
-    return _size_of(picture)
-
-
-def _read_ptm(file: Path) -> Ptm:
-    ptm = read_any(file)
-    if ptm.basis != PTM:
-        raise InputError(f"{file}: is an {ptm.basis}; only {PTM} is drawn here, so give it to litrig ptm relight")
-    return ptm
-
-
-def _size_of(picture: NDArray[np.float32]) -> tuple[int, int]:
-    return picture.shape[1], picture.shape[0]
+    return values.shape[1], values.shape[0]

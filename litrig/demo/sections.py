@@ -26,6 +26,9 @@ from processing.amc.model import Amc
 from processing.mesh.builtin import builtin_mesh
 from processing.ptm.model import Ptm
 from processing.ptm.quality import FitQuality
+from viewer.geometry import whole_picture
+from viewer.materials.amc import amc_picture
+from viewer.materials.ptm import PtmMaterial, ptm_picture
 from viewer.renderer import Renderer
 from viewer.view import View
 
@@ -83,7 +86,7 @@ def renders(pictures: Pictures, amc: Amc, size: tuple[int, int]) -> Section:
     with Renderer() as renderer:
         for name, view in VIEWS.items():
             for kind, table in (("anisotropic", amc), ("isotropic", plain)):
-                picture = renderer.render_amc(table, builtin_mesh(name), view, size=size, supersample=2)
+                picture = amc_picture(renderer, table, builtin_mesh(name), view, size=size, supersample=2)
                 figures.append(pictures.add(f"amc-{name}-{kind}", over(picture), f"{name.capitalize()}, {kind}"))
     text = "The same table on a torus and on draped cloth; beside it the plain MatCap that is the mean of its slices."
     return Section("Anisotropic beside isotropic", text, figures, columns=2)
@@ -95,10 +98,13 @@ def relit(pictures: Pictures, ptm: Ptm) -> Section:
     with Renderer() as renderer:
         even = _even(ptm)
         size = (even.coefficients.shape[2], even.coefficients.shape[1])
-        frames = (to_u8(renderer.render_ptm(even, light)) for light in _tour())
-        figures.append(pictures.video("ptm-tour", frames, "The light goes round.", size))
+        with renderer.upload(PtmMaterial, even) as material, renderer.upload(whole_picture) as everything:
+            looks = map(material.flat_look, _tour())
+            # Row 0 of a flat PTM is drawn at the bottom.
+            frames = (to_u8(renderer.picture(look, everything, size=size)[::-1, :, :3]) for look in looks)
+            figures.append(pictures.video("ptm-tour", frames, "The light goes round.", size))
         for index, light in enumerate(LIGHTS):
-            codes = to_u8(renderer.render_ptm(ptm, light))
+            codes = to_u8(ptm_picture(renderer, ptm, light))
             figures.append(pictures.add(f"ptm-{index}", codes, f"Light from ({light[0]:g}, {light[1]:g})"))
     return Section("Polynomial texture map", "relief.ptm, LRGB, relit.", figures)
 

@@ -6,7 +6,17 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from processing.command_parts import FOLDER, JSON, PATH, PICTURES, check_folder, check_output, echo_clipped, echo_facts
+from processing.command_parts import (
+    FOLDER,
+    JSON,
+    PATH,
+    PICTURES,
+    check_folder,
+    check_output,
+    echo_clipped,
+    echo_facts,
+    references,
+)
 
 if TYPE_CHECKING:
     from litrig.base.capture_folder.capture import Capture
@@ -14,6 +24,7 @@ if TYPE_CHECKING:
     from processing.amc.build import AmcResult
     from processing.amc.model import Invariance
     from processing.amc.settings import Settings
+    from processing.command_parts import Refer
 
 _CIRCLE = click.option(
     "--circle", type=float, nargs=3, metavar="X Y R", help="The sphere's outline in pixels, from the upper left corner."
@@ -128,6 +139,7 @@ def amc() -> None:
 @click.option(
     "--report", "report_folder", type=PATH, metavar="DIR", help="Write a page about the build, DIR/index.html."
 )
+@references
 @JSON
 def build(
     folder: Path,
@@ -138,6 +150,7 @@ def build(
     split: bool,
     unlit: Path | None,
     report_folder: Path | None,
+    refer: "Refer",
     as_json: bool,
     **choices: Any,
 ) -> None:
@@ -160,7 +173,8 @@ def build(
         check_folder(report_folder)
     settings = _settings(**choices)
     with reporting() as report:
-        turns = {name: _read_turn(turn, even) for name, turn in (("", folder), ("unlit", unlit)) if turn is not None}
+        folders = {"": folder} if unlit is None else {"": folder, "unlit": unlit}
+        turns = {name: _read_turn(turn, even, refer) for name, turn in folders.items()}
         results = _results(turns, mask, split, settings, report)
         paths = {name: beside(output, name) for name in results}
         for name, result in results.items():
@@ -221,8 +235,8 @@ def _settings(
     from litrig.base.table_normals import TableNormal
     from processing.amc.invariance import MOST_REPEATS, THRESHOLD
     from processing.amc.model import TangentAngle
-    from processing.amc.outline.circle import Circle
     from processing.amc.settings import Settings
+    from processing.outline.circle import Circle
 
     return Settings(
         size=size,
@@ -242,10 +256,10 @@ def _settings(
     )
 
 
-def _read_turn(folder: Path, even: bool) -> "Capture":
+def _read_turn(folder: Path, even: bool, refer: "Refer") -> "Capture":
     from litrig.base.capture_folder.reader import read_capture, turn_evenly
 
-    capture = read_capture(folder)
+    capture = refer(read_capture(folder))
     return turn_evenly(capture) if even else capture
 
 
@@ -320,10 +334,10 @@ def matcap(
     from litrig.base.pictures import write_picture
     from litrig.base.table_normals import TableNormal
     from processing.amc.geometry import SphereView
-    from processing.amc.outline.circle import Circle
     from processing.amc.photo import find_ball, matcap_from_photo
-    from processing.amc.undistort import undistortion
+    from processing.outline.circle import Circle
     from processing.stack import Stack
+    from processing.undistort import undistortion
 
     _refuse_two_distances(distance, camera)
     check_output(output, *PICTURES)

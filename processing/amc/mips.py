@@ -68,16 +68,16 @@ def _halve(level: MipLevel) -> MipLevel:
         seen, dilated = np.zeros_like(colours[j]), np.zeros_like(colours[j])
         for source in np.flatnonzero(shares):
             light, covered = level.colours[source], level.coverage[source]
-            seen += shares[source] * _shrink(light * covered[..., None])
-            dilated += shares[source] * _shrink(light)
-            coverage[j] += shares[source] * _shrink(covered)
+            seen += shares[source] * shrink(light * covered[..., None])
+            dilated += shares[source] * shrink(light)
+            coverage[j] += shares[source] * shrink(covered)
         # Where nothing was seen the dilated colours are all there is to average.
         some = coverage[j][..., None] > 0
         colours[j] = np.where(some, seen / np.where(some, coverage[j][..., None], 1), dilated)
     return MipLevel(colours, coverage)
 
 
-def _shrink(one: F32) -> F32:
+def shrink(one: F32) -> F32:
     """Halve the rows and columns of one slice."""
     height, width = one.shape[:2]
     small = (max(1, width // 2), max(1, height // 2))

@@ -17,6 +17,8 @@ class Mesh:
     tangents : (V, 3) float32, unit, along the surface's ∇U and orthogonal to the normal
     uvs : (V, 2) float32, u along the grain, v upwards in a picture that is laid on the surface
     triangles : (T, 3) int32, indices of vertices
+    occlusion : (V,) float32, ambient occlusion: the share of the sky that a vertex sees, 1 = open, 0 = closed; None if
+        nobody has found it
     """
 
     positions: NDArray[np.float32]
@@ -24,3 +26,4 @@ class Mesh:
     tangents: NDArray[np.float32]
     uvs: NDArray[np.float32]
     triangles: NDArray[np.int32]
+    occlusion: NDArray[np.float32] | None = None

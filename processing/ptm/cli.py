@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
-from processing.command_parts import FOLDER, JSON, PATH
+from processing.command_parts import FOLDER, JSON, PATH, references
 from processing.ptm.files.cli import convert, info
 from processing.ptm.lights.cli import lights
 from processing.ptm.relighting.cli import relight
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from litrig.base.capture_folder.capture import Capture
+    from processing.command_parts import Refer
     from processing.ptm.basis import Basis, Kind
     from processing.ptm.model import Colour, Space
     from processing.ptm.near_lights import NearLights
@@ -98,6 +99,7 @@ ptm.add_command(lights)
     help="Decoded pictures of more than this go to a temporary file.",
 )
 @click.option("--spool", type=PATH, metavar="DIR", help="Where that file goes; by default where temporary files go.")
+@references
 @JSON
 def fit(  # one option each
     folder: Path,
@@ -113,6 +115,7 @@ def fit(  # one option each
     far: bool,
     memory: float,
     spool: Path | None,
+    refer: "Refer",
     as_json: bool,
 ) -> None:
     """Fit a relightable picture to the pictures in FOLDER.
@@ -143,7 +146,7 @@ def fit(  # one option each
         memory_bytes=int(memory * 1e9),
         spool=spool,
     )
-    stack = Stack.of(capture)
+    stack = Stack.of(refer(capture))
     names = {"source": capture.digest, "lights_source": str(capture.lights_from or folder)}
     with reporting() as report:
         fitted = start_fit(stack, lights.directions, settings, report=report, **names)

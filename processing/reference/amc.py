@@ -1,62 +1,94 @@
 """The picture that an AMC stands for, in plain NumPy and double precision: what shaders are tested against."""
 
 import math
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from litrig.base.errors import InputError
 from litrig.base.table_normals import TableNormal, rotate_smallest, table_normals, table_tangents
 from processing.amc.mips import mip_chain
 from processing.amc.model import Amc, TangentAngle
 from processing.mesh.model import Mesh
 from processing.reference.camera import Camera
-from processing.reference.raster import rasterise
+from processing.reference.per_vertex import PerVertex, interpolated_k, interpolated_places
+from processing.reference.shadow import reaches
+from processing.reference.surface import Surface, unit, visible_surface
 
 F64 = NDArray[np.float64]
 Floats = NDArray[np.floating]
-_GRAZING = 1e-3
+Way = Literal["fragment", "mixed", "vertex"]
 
 
-def render_amc(amc: Amc, mesh: Mesh, camera: Camera, size: tuple[int, int], *, level: int = 0) -> F64:
+def render_amc(
+    amc: Amc,
+    mesh: Mesh,
+    camera: Camera,
+    size: tuple[int, int],
+    *,
+    level: int = 0,
+    way: Way = "fragment",
+    occluded: bool = False,
+) -> F64:
     """Draw a mesh with an AMC (the AMC paper, section 6).
 
     Parameters
     ----------
     size : width and height in pixels
     level : mip level that every pixel is read from
+    way : where i, j and k are found: all at pixels, k at vertices, or all at vertices
+    occluded : darken by the mesh's ambient occlusion (section 6.1)
 
     Returns
     -------
     picture : (H, W, 4) float64, linear light and coverage 0 or 1; row 0 on top
     """
-    points = mesh.positions.astype(np.float64) @ camera.view_from_object.T
-    seen = rasterise(points, mesh.triangles, camera.clip_from_view, size)
-
-    def at_fragments(directions: NDArray[np.float32]) -> F64:
-        return seen.interpolate(directions.astype(np.float64) @ camera.view_from_object.T, mesh.triangles)
-
-    to_eye = camera.to_eye(seen.interpolate(points, mesh.triangles))
-    normals = visible_normals(unit(at_fragments(mesh.normals)), to_eye, seen.front)
-    tangents = at_fragments(mesh.tangents)
-    tangents = unit(tangents - normals * np.sum(tangents * normals, axis=1, keepdims=True))
-    turned, k = table_coordinates(normals, tangents, to_eye, amc.table_normal, amc.tangent_angle)
-    picture = np.zeros((size[1], size[0], 4))
-    picture[seen.rows, seen.columns, :3] = lookup(amc, turned, k, level)
-    picture[seen.rows, seen.columns, 3] = 1
-    return picture
+    surface = visible_surface(mesh, camera, size)
+    turned, k = _coordinates(amc, surface)
+    if way != "fragment":
+        vertices = PerVertex.of(mesh, camera, lambda n, t, to_eye: table_coordinates(n, t, to_eye, *_kinds(amc)))
+        k = interpolated_k(vertices, surface.seen, mesh.triangles)
+        turned = interpolated_places(vertices, surface.seen, mesh.triangles) if way == "vertex" else turned
+    light = lookup(amc, turned, k, level)
+    return surface.picture(light * surface.openness[:, None] if occluded else light)
 
 
-def visible_normals(normals: F64, to_eye: F64, front: NDArray[np.bool_]) -> F64:
-    """Turn normals to the side that is seen, (N, 3).
+def render_sum(low: Amc, high: Amc, mesh: Mesh, camera: Camera, size: tuple[int, int], *, level: int = 0) -> F64:
+    """Draw a mesh with two AMCs whose light adds up, each with its own table normal."""
+    surface = visible_surface(mesh, camera, size)
+    return surface.picture(sum((lookup(amc, *_coordinates(amc, surface), level) for amc in (low, high)), np.zeros(3)))
 
-    A triangle and its normal must agree that it is the back which is seen; at a silhouette one of them alone is often
-    wrong. What then still looks away from the eye is bent back to the silhouette.
+
+def render_keyed(
+    lit: Amc, unlit: Amc, key: tuple[float, float], mesh: Mesh, camera: Camera, size: tuple[int, int], *, level: int = 0
+) -> F64:
+    """Draw a mesh with one AMC where the key light reaches it, and with another where not (section 6.1).
+
+    Parameters
+    ----------
+    key : x and y of the unit vector to the key light, view frame
+
+    Raises
+    ------
+    InputError
+        The key light's direction is none.
     """
-    towards = np.sum(normals * to_eye, axis=1)
-    sides = np.where(~front & (towards < 0), -1.0, 1.0)
-    towards = (sides * towards)[:, None]
-    seen = normals * sides[:, None]
-    return np.where(towards < _GRAZING, unit(seen + to_eye * (_GRAZING - towards)), seen)
+    if not math.hypot(*key) <= 1:
+        raise InputError(f"key light: {key} is no direction")
+    towards = np.array([*key, math.sqrt(1 - key[0] ** 2 - key[1] ** 2)])
+    surface = visible_surface(mesh, camera, size)
+    is_lit = reaches(surface, mesh, camera, towards)[:, None]
+    light, rest = (lookup(amc, *_coordinates(amc, surface), level) for amc in (lit, unlit))
+    return surface.picture(np.where(is_lit, light, rest))
+
+
+def _coordinates(amc: Amc, surface: Surface) -> tuple[Floats, Floats]:
+    return table_coordinates(surface.normals, surface.tangents, surface.to_eye, *_kinds(amc))
+
+
+def _kinds(amc: Amc) -> tuple[TableNormal, TangentAngle]:
+    return amc.table_normal, amc.tangent_angle
 
 
 def table_coordinates(
@@ -115,9 +147,3 @@ def _neighbours(coordinate: Floats) -> tuple[tuple[NDArray[np.int64], Floats], t
     share = coordinate - below
     number = below.astype(np.int64)
     return (number, 1 - share), (number + 1, share)
-
-
-def unit(vectors: Floats) -> F64:
-    """Scale vectors (N, 3) to length one."""
-    scaled: F64 = vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-30)
-    return scaled

@@ -17,6 +17,7 @@ from processing.mesh.builtin import builtin_mesh, cloth, ribbon, torus
 from processing.reference.amc import render_amc
 from processing.reference.display import display_codes
 from tests.viewer.analytic import brushed_amc
+from viewer.materials.amc import amc_picture
 from viewer.renderer import Renderer
 from viewer.view import Projection, View
 
@@ -47,7 +48,7 @@ def test_shader_and_reference_agree(
     amc = brushed_amc(32, 1 if invariance == "isotropic" else 30, invariance, table_normal)
     view = View(projection, yaw_deg=25, pitch_deg=35, fov_deg=50)
     mesh = MESHES[mesh_name]
-    drawn = display_codes(renderer.render_amc(amc, mesh, view, size=SIZE, level=level)).astype(int)
+    drawn = display_codes(amc_picture(renderer, amc, mesh, view, size=SIZE, level=level)).astype(int)
     truth = display_codes(render_amc(amc, mesh, view.camera(SIZE), SIZE, level=level)).astype(int)
     covered = (drawn[..., 3] > 0) | (truth[..., 3] > 0)
     assert covered.sum() > 1500
@@ -62,7 +63,7 @@ def test_an_angle_in_the_surface_is_looked_up_as_the_reference_does(renderer: Re
     amc = replace(in_picture, tangent_angle=TangentAngle.SURFACE)
     view = View(projection, yaw_deg=25, pitch_deg=35, fov_deg=50)
     drawn, other = (
-        display_codes(renderer.render_amc(table, MESHES["torus"], view, size=SIZE, level=0)).astype(int)
+        display_codes(amc_picture(renderer, table, MESHES["torus"], view, size=SIZE, level=0)).astype(int)
         for table in (amc, in_picture)
     )
     truth = display_codes(render_amc(amc, MESHES["torus"], view.camera(SIZE), SIZE, level=0)).astype(int)
@@ -75,7 +76,8 @@ def test_an_angle_in_the_surface_is_looked_up_as_the_reference_does(renderer: Re
 def test_table_normals_differ_in_perspective_alone(renderer: Renderer, projection: Projection) -> None:
     """Otherwise agreement under all three would prove nothing."""
     pictures = [
-        renderer.render_amc(
+        amc_picture(
+            renderer,
             brushed_amc(32, 30, 2, kind),
             MESHES["torus"],
             View(projection, pitch_deg=35, fov_deg=50),
@@ -96,18 +98,18 @@ def test_the_same_picture_has_the_same_bytes() -> None:
     pictures = []
     for _ in range(2):
         with Renderer() as fresh:
-            pictures += [fresh.render_amc(amc, torus(48, 24), view, size=SIZE).tobytes() for _ in range(2)]
+            pictures += [amc_picture(fresh, amc, torus(48, 24), view, size=SIZE).tobytes() for _ in range(2)]
     assert len(set(pictures)) == 1
 
 
 def test_two_renderers_do_not_disturb_each_other(renderer: Renderer) -> None:
     amc, mesh, view = brushed_amc(16, 8), torus(24, 12), View()
-    before = renderer.render_amc(amc, mesh, view, size=SIZE)
+    before = amc_picture(renderer, amc, mesh, view, size=SIZE)
     with Renderer() as other:
-        there = other.render_amc(amc, mesh, view, size=(40, 40))
-        here = renderer.render_amc(amc, mesh, view, size=SIZE)
-        assert there.tobytes() == other.render_amc(amc, mesh, view, size=(40, 40)).tobytes()
-    after = renderer.render_amc(amc, mesh, view, size=SIZE)
+        there = amc_picture(other, amc, mesh, view, size=(40, 40))
+        here = amc_picture(renderer, amc, mesh, view, size=SIZE)
+        assert there.tobytes() == amc_picture(other, amc, mesh, view, size=(40, 40)).tobytes()
+    after = amc_picture(renderer, amc, mesh, view, size=SIZE)
     assert before.tobytes() == here.tobytes() == after.tobytes()
 
 
@@ -120,7 +122,7 @@ def test_every_level_is_uploaded_as_it_is(renderer: Renderer, level: int) -> Non
         for number, stored in enumerate(mip_chain(amc))
     ]
     level = min(level, len(levels) - 1)
-    picture = renderer.render_amc(amc, MESHES["torus"], View(), size=(60, 60), levels=levels, level=level)
+    picture = amc_picture(renderer, amc, MESHES["torus"], View(), size=(60, 60), levels=levels, level=level)
     np.testing.assert_array_equal(picture[picture[..., 3] > 0][:, :3], (level + 1) / 8)
 
 
@@ -129,22 +131,22 @@ def test_a_small_picture_is_read_from_small_levels(renderer: Renderer) -> None:
     marked = mip_chain(amc)
     marked[0] = dataclasses.replace(marked[0], colours=np.full_like(marked[0].colours, 8))
     size = (24, 24)
-    assert renderer.render_amc(amc, MESHES["torus"], View(), size=size, levels=marked)[..., :3].max() < 4
-    assert renderer.render_amc(amc, MESHES["torus"], View(), size=size, levels=marked, level=0)[..., :3].max() == 8
+    assert amc_picture(renderer, amc, MESHES["torus"], View(), size=size, levels=marked)[..., :3].max() < 4
+    assert amc_picture(renderer, amc, MESHES["torus"], View(), size=size, levels=marked, level=0)[..., :3].max() == 8
 
 
 def test_a_file_is_drawn_like_the_table_it_came_from(renderer: Renderer, tmp_path: Path) -> None:
     amc, mesh, view = brushed_amc(32, 30), MESHES["cloth"], View(pitch_deg=25)
     write_amc(tmp_path / "x.amc.ktx2", amc, half_float=True)
     read, levels = read_levels(tmp_path / "x.amc.ktx2")
-    drawn = renderer.render_amc(read, mesh, view, size=SIZE, levels=levels)
-    np.testing.assert_array_equal(drawn, renderer.render_amc(amc, mesh, view, size=SIZE))
+    drawn = amc_picture(renderer, read, mesh, view, size=SIZE, levels=levels)
+    np.testing.assert_array_equal(drawn, amc_picture(renderer, amc, mesh, view, size=SIZE))
 
 
 def test_light_beyond_white_survives(renderer: Renderer) -> None:
     amc = brushed_amc(16, 8)
     bright = Amc(amc.slices * 50, amc.valid, amc.invariance)
-    pictures = [renderer.render_amc(table, torus(24, 12), View(), size=SIZE) for table in (amc, bright)]
+    pictures = [amc_picture(renderer, table, torus(24, 12), View(), size=SIZE) for table in (amc, bright)]
     np.testing.assert_allclose(pictures[1][..., :3], pictures[0][..., :3] * 50, rtol=2e-2, atol=1e-2)
     assert pictures[1].max() > 5
 
@@ -152,8 +154,8 @@ def test_light_beyond_white_survives(renderer: Renderer) -> None:
 @pytest.mark.parametrize("name", ["torus", "cloth"])
 def test_supersampling_is_the_mean_of_a_finer_picture(renderer: Renderer, name: str) -> None:
     amc, mesh, view = brushed_amc(16, 8), builtin_mesh(name), View(pitch_deg=30)
-    fine = renderer.render_amc(amc, mesh, view, size=(120, 90)).astype(np.float64)
-    smooth = renderer.render_amc(amc, mesh, view, size=(40, 30), supersample=3)
+    fine = amc_picture(renderer, amc, mesh, view, size=(120, 90)).astype(np.float64)
+    smooth = amc_picture(renderer, amc, mesh, view, size=(40, 30), supersample=3)
     blocks = fine.reshape(30, 3, 40, 3, 4)
     coverage = blocks[..., 3].mean(axis=(1, 3))
     light = (blocks[..., :3] * blocks[..., 3:]).mean(axis=(1, 3))
@@ -175,4 +177,4 @@ def test_supersampling_is_the_mean_of_a_finer_picture(renderer: Renderer, name: 
 def test_impossible_wishes_are_refused(renderer: Renderer, options: dict[str, object], reason: str) -> None:
     wishes = {"size": (32, 32), **options}
     with pytest.raises(InputError, match=reason):
-        renderer.render_amc(brushed_amc(16, 8), torus(12, 8), View(), **wishes)  # type: ignore[arg-type] # by table
+        amc_picture(renderer, brushed_amc(16, 8), torus(12, 8), View(), **wishes)  # type: ignore[arg-type] # by table

@@ -14,8 +14,9 @@ from litrig.base.errors import MissingToolError
 from processing.mesh.builtin import torus
 from tests.viewer.analytic import brushed_amc
 from viewer.errors import GraphicsError
-from viewer.gl_calls import upload_volume_levels
+from viewer.gl_calls import upload_levels
 from viewer.gl_context import INSTALL, open_context
+from viewer.materials.amc import amc_picture
 from viewer.renderer import Renderer
 from viewer.shader_source import shader_source
 from viewer.targets import check_errors
@@ -26,7 +27,7 @@ def test_a_context_needs_no_display(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     with Renderer() as renderer:
-        assert renderer.render_amc(brushed_amc(8, 4), torus(12, 8), View(), size=(16, 16))[..., 3].any()
+        assert amc_picture(renderer, brushed_amc(8, 4), torus(12, 8), View(), size=(16, 16))[..., 3].any()
 
 
 @pytest.mark.parametrize(
@@ -85,9 +86,7 @@ def test_uploading_leaves_bindings_as_they_were() -> None:
         bind = ctypes.CFUNCTYPE(None, ctypes.c_uint, ctypes.c_uint)(gl.backend.load("glBindTexture"))
         texture = context.texture3d((4, 4, 4), 4, dtype="f2")
         bind(0x806F, other.glo)
-        upload_volume_levels(
-            gl.backend, texture.glo, [np.ones((4, 4, 4, 4), np.float16), np.ones((2, 2, 2, 4), np.float16)]
-        )
+        upload_levels(gl.backend, texture, [np.ones((4, 4, 4, 4), np.float16), np.ones((2, 2, 2, 4), np.float16)])
         found = ctypes.c_int()
         get(0x806A, ctypes.addressof(found))
         assert found.value == other.glo
@@ -102,7 +101,7 @@ def test_a_renderer_can_be_closed_twice() -> None:
     renderer.close()
 
 
-@pytest.mark.parametrize("name", ["amc.frag", "ptm_flat.frag", "ptm_mesh.frag", "mesh.vert", "ptm_flat.vert"])
+@pytest.mark.parametrize("name", ["amc.frag", "ptm_flat.frag", "ptm_mesh.frag", "mesh.vert", "flat.vert"])
 def test_shaders_are_whole_after_their_includes(name: str) -> None:
     source = shader_source(name)
     assert source.startswith("#version 330")

@@ -11,6 +11,7 @@ from processing.amc.model import Amc
 from processing.mesh.builtin import builtin_mesh
 from processing.mesh.model import Mesh
 from tests.viewer.analytic import brushed_amc
+from viewer.materials.amc import amc_picture
 from viewer.renderer import Renderer
 from viewer.view import Projection, View
 
@@ -43,23 +44,23 @@ def pixels_apart(first: NDArray[np.float32], second: NDArray[np.float32]) -> int
 def test_no_pixel_shows_where_k_jumps(renderer: Renderer, name: str, projection: Projection) -> None:
     amc, mesh, view = brushed_amc(64, 64, 1), builtin_mesh(name), View(projection, yaw_deg=20, pitch_deg=30)
     elsewhere, turned = half_a_turn_on(amc, mesh)
-    here = renderer.render_amc(amc, mesh, view, size=SIZE)
-    there = renderer.render_amc(elsewhere, turned, view, size=SIZE)
+    here = amc_picture(renderer, amc, mesh, view, size=SIZE)
+    there = amc_picture(renderer, elsewhere, turned, view, size=SIZE)
     assert pixels_apart(here, there) == 0
 
 
 def test_without_the_trick_hundreds_of_pixels_show_it(renderer: Renderer) -> None:
     amc, mesh, view = brushed_amc(64, 64, 1), builtin_mesh("torus"), View(yaw_deg=20, pitch_deg=30)
-    right = renderer.render_amc(amc, mesh, view, size=SIZE)
-    wrong = renderer.render_amc(amc, mesh, view, size=SIZE, seam_trick=False)
+    right = amc_picture(renderer, amc, mesh, view, size=SIZE)
+    wrong = amc_picture(renderer, amc, mesh, view, size=SIZE, seam_trick=False)
     assert pixels_apart(right, wrong) > 200
     elsewhere, turned = half_a_turn_on(amc, mesh)
-    assert pixels_apart(wrong, renderer.render_amc(elsewhere, turned, view, size=SIZE, seam_trick=False)) > 200
+    assert pixels_apart(wrong, amc_picture(renderer, elsewhere, turned, view, size=SIZE, seam_trick=False)) > 200
 
 
 def test_without_mipmaps_there_is_no_seam_to_remove(renderer: Renderer) -> None:
     amc, mesh, view = brushed_amc(64, 64, 1), builtin_mesh("torus"), View(yaw_deg=20, pitch_deg=30)
-    pictures = [renderer.render_amc(amc, mesh, view, size=SIZE, level=0, seam_trick=trick) for trick in (True, False)]
+    pictures = [amc_picture(renderer, amc, mesh, view, size=SIZE, level=0, seam_trick=trick) for trick in (True, False)]
     np.testing.assert_array_equal(pictures[0], pictures[1])
 
 
@@ -68,7 +69,7 @@ def test_a_table_that_repeats_twice_a_turn_shows_no_seam_either(renderer: Render
     """The same slices laid out over the whole turn, and half a turn on, are the truth."""
     amc, mesh, view = brushed_amc(64, 32, 2), builtin_mesh(name), View(yaw_deg=20, pitch_deg=30)
     elsewhere, turned = half_a_turn_on(spread_out(amc), mesh)
-    here = renderer.render_amc(amc, mesh, view, size=SIZE)
-    there = renderer.render_amc(elsewhere, turned, view, size=SIZE)
+    here = amc_picture(renderer, amc, mesh, view, size=SIZE)
+    there = amc_picture(renderer, elsewhere, turned, view, size=SIZE)
     assert pixels_apart(here, there) == 0
-    assert pixels_apart(here, renderer.render_amc(amc, mesh, view, size=SIZE, seam_trick=False)) > 20
+    assert pixels_apart(here, amc_picture(renderer, amc, mesh, view, size=SIZE, seam_trick=False)) > 20

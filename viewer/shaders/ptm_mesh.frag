@@ -28,5 +28,5 @@ void main() {
     vec3 p = polynomial(c, light);
     vec3 lit = max(is_luminance ? p.r * texture(luminance_colour, place).rgb : p, vec3(0.0));
     vec3 linear = is_display ? decode_srgb(lit) : lit;
-    colour = vec4(dot(light_direction, n) > 0.0 ? linear : vec3(0.0), 1.0);
+    colour = vec4(darkened(dot(light_direction, n) > 0.0 ? linear : vec3(0.0)), 1.0);
 }

@@ -24,7 +24,9 @@ class _FrameLine(BaseModel):
     file: str
     sha256: str
     role: Role = Role.FRAME
+    pose_goal: _Pose | None = None
     pose_after: _Pose | None = None
+    exposure_ev: Finite = 0.0
     light: tuple[Finite, Finite, Finite] | None = None
 
 

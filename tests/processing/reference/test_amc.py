@@ -12,8 +12,9 @@ from litrig.base.table_normals import TableNormal
 from processing.amc.mips import mip_chain
 from processing.amc.model import Amc
 from processing.mesh.builtin import sphere
-from processing.reference.amc import lookup, render_amc, table_coordinates, visible_normals
+from processing.reference.amc import lookup, render_amc, table_coordinates
 from processing.reference.camera import Camera
+from processing.reference.surface import visible_normals
 
 SIZE, DEPTH = 6, 4
 CENTRE = np.array([[1 / SIZE, 1 / SIZE, 0.97]])

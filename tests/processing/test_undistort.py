@@ -4,7 +4,7 @@ from numpy.typing import NDArray
 
 from litrig.base.camera_model import CameraModel
 from litrig.base.errors import InputError
-from processing.amc.undistort import undistortion
+from processing.undistort import undistortion
 
 SHAPE = (120, 160)
 

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.progress import Progress, Report
-from processing.amc.outline.circle_search import candidates
-from processing.amc.outline.limb import SHARP_PX, Profiles, RimCosts, Weigh, unroll, weigh_apart, weigh_each, weigh_turn
-from processing.amc.outline.rim_fit import Limb, fit_each, fit_limb
+from processing.outline.circle_search import candidates
+from processing.outline.limb import SHARP_PX, Profiles, RimCosts, Weigh, unroll, weigh_apart, weigh_each, weigh_turn
+from processing.outline.rim_fit import Limb, fit_each, fit_limb
 from processing.stack import Stack
 
 F32 = NDArray[np.float32]

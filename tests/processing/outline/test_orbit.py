@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
-from processing.amc.outline.circle import Circle
-from processing.amc.outline.orbit import Orbit, Outline, find_outline, fit_orbit
+from processing.outline.circle import Circle
+from processing.outline.orbit import Orbit, Outline, find_outline, fit_orbit
 from processing.stack import Stack
 from tests.processing.amc.brushed_sphere import Scene
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from processing.amc.outline.limb import RimCosts
+from processing.outline.limb import RimCosts
 
 F64 = NDArray[np.float64]
 

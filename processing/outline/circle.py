@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
 from litrig.base.progress import Report, silent
-from processing.amc.outline.limb import weigh_apart
-from processing.amc.outline.rim_fit import Limb
-from processing.amc.outline.silhouette import load_turn
+from processing.outline.limb import weigh_apart
+from processing.outline.rim_fit import Limb
+from processing.outline.silhouette import load_turn
 from processing.stack import Stack
 
 F64 = NDArray[np.float64]

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
-from processing.amc.outline.circle import Circle, find_circle
+from processing.outline.circle import Circle, find_circle
 from processing.stack import Stack
 from tests.processing.amc.brushed_sphere import Scene
 

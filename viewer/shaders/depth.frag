@@ -1,0 +1,6 @@
+#version 330 core
+
+// Depth alone.
+
+void main() {
+}
