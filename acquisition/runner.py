@@ -1,64 +1,69 @@
-"""Shooting a plan, one small step after the other, and saying what happened.
+"""Shooting steps, one after the other, and saying what happened.
 
 A frame counts only when the pose was in tolerance before and after its exposure, the exposure began after the pose had
-settled, and the frame and its journal line are on the disk.
+settled, and the frame and its journal line are on the disk. While it is looked at and written, the rig is on its way to
+the next pose; it is not exposed there before.
 """
 
-import math
-from collections.abc import Callable, Iterator, Mapping
+from collections import deque
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass, field
 
-import numpy as np
-
-from acquisition.plans import Plan, Step
-from acquisition.quality import Inspector, Quality
-from litrig.base.capture_folder.writer import CaptureFolderWriter, make_thumbnail
-from litrig.base.directions import angle_between_deg, direction_from_angles
-from litrig.base.errors import FormatError, HoldError, InputError
-from rig.devices import ArmPose, Shot, TurntablePose
-from rig.errors import CameraError, RigError
+from acquisition.events import Paused, Retried, RunEvent
+from acquisition.keeper import Exposed, Keeper, Rejected
+from acquisition.plans import Step
+from acquisition.poses import judge, locate
+from acquisition.quality import Inspector
+from acquisition.revisit import Revisits
+from acquisition.room import Room
+from litrig.base.capture_folder.capture import Role
+from litrig.base.capture_folder.writer import CaptureFolderWriter
+from litrig.base.errors import HoldError, InputError
+from rig.devices import Shot
+from rig.errors import CameraError, CameraHangsError, RigError
 from rig.rig import Rig
 
-TRIES = 3
+Settings = Mapping[str, float | str]
 
 
 @dataclass(frozen=True)
-class Poses:
-    """Where everything stood at one instant."""
+class Policy:
+    """How much is tried before a person is called.
 
-    turntable: TurntablePose | None
-    light: ArmPose | None
+    Attributes
+    ----------
+    tries : how often a step is shot until its frame is good
+    reconnects : how often a camera that is lost is opened again, for one frame
+    wait_s : before each
+    """
 
-    def as_json(self) -> Mapping[str, float]:
-        """Return them as the journal has them."""
-        angles = {} if self.turntable is None else {"angle_deg": round(self.turntable.angle_deg, 4)}
-        return angles if self.light is None else {**angles, **_rounded(asdict(self.light))}
-
-
-@dataclass(frozen=True)
-class FrameTaken:
-    """A frame is on the disk and counts."""
-
-    step: Step
-    file: str
-    quality: Quality
-    pose_error_deg: float
+    tries: int = 3
+    reconnects: int = 3
+    wait_s: float = 1.0
 
 
-@dataclass(frozen=True)
-class Paused:
-    """The operator asked for a pause; the rig stays where it is."""
-
-    frames: int
+USUAL = Policy()
 
 
-RunEvent = FrameTaken | Paused
+@dataclass
+class SoFar:
+    """What a session knows from its earlier parts.
+
+    Attributes
+    ----------
+    settings : what the camera was set to, by the exposure's stops; the frames to come must agree
+    since_revisit : the steps of the good frames since the last closure frame that was as it should be
+    revisits : what knows the first frames
+    """
+
+    settings: dict[float, Settings] = field(default_factory=dict)
+    since_revisit: list[int] = field(default_factory=list)
+    revisits: Revisits | None = None
 
 
-def check_plan(plan: Plan, rig: Rig) -> None:
-    """Refuse a plan that the rig cannot shoot, before anything moves.
+def check_plan(steps: Iterable[Step], rig: Rig) -> None:
+    """Refuse steps that the rig cannot shoot, before anything moves.
 
     Raises
     ------
@@ -68,121 +73,220 @@ def check_plan(plan: Plan, rig: Rig) -> None:
         The rig lacks a part that the plan needs.
     """
     _ = rig.camera
-    for step in plan:
+    for step in steps:
         if step.angle_deg is not None:
             rig.turntable.check(step.angle_deg)
         if step.aim is not None:
             rig.check_light(step.aim.azimuth_deg, step.aim.elevation_deg, step.aim.lamp)
 
 
-def run(plan: Plan, rig: Rig, writer: CaptureFolderWriter, pause_requested: Callable[[], bool]) -> Iterator[RunEvent]:
+def run(
+    steps: Iterable[Step],
+    rig: Rig,
+    writer: CaptureFolderWriter,
+    pause_requested: Callable[[], bool],
+    *,
+    ask: Callable[[str], bool] = lambda _: False,
+    policy: Policy = USUAL,
+    so_far: SoFar | None = None,
+) -> Iterator[RunEvent]:
     """Home the rig, shoot every step, park.
+
+    Parameters
+    ----------
+    steps : in this order
+    pause_requested : asked before every step
+    ask : have a person do something and confirm it; False if nobody is there
 
     Raises
     ------
     HoldError
-        Something failed that a retry does not mend. The rig holds; the frames so far are safe.
+        Something failed that a retry does not mend, or a person is needed. The rig holds; the frames so far are safe.
     """
-    inspector = Inspector()
     try:
-        rig.get_ready()
-        for done, step in enumerate(plan):
-            if pause_requested():
-                rig.pause()
-                writer.record("pause", frames=done)
-                yield Paused(done)
-                return
-            yield _take(step, rig, writer, inspector)
-        rig.park()
+        with _Run(rig, writer, policy, so_far or SoFar()) as course:
+            yield from course.events(deque(steps), pause_requested, ask)
     except KeyboardInterrupt:
-        rig.hold()
         with suppress(InputError):
             writer.record("stop")
         raise
     except (RigError, InputError) as error:
-        rig.hold()
         with suppress(InputError):  # a full disk may be why
             writer.record("hold", reason=str(error))
-        raise HoldError(f"{error}. The rig is on hold; the frames so far are safe in {writer.folder}") from error
+        raise HoldError(
+            f"{error}. The rig is on hold; the frames so far are safe, and litrig capture resume {writer.folder} "
+            "shoots the others"
+        ) from error
 
 
-def _take(step: Step, rig: Rig, writer: CaptureFolderWriter, inspector: Inspector) -> FrameTaken:
-    reason = ""
-    for attempt in range(1, TRIES + 1):
-        _go(step, rig)
-        before = _locate(step, rig)
-        shot = rig.expose(rig.clock.now_s())
-        after = _locate(step, rig)
-        pose_error_deg, reason = _judge_poses(step, rig, (before, after))
-        if not reason:
+class _Run:
+    """One way through the steps."""
+
+    def __init__(self, rig: Rig, writer: CaptureFolderWriter, policy: Policy, so_far: SoFar) -> None:
+        self._rig, self._writer, self._policy, self._so_far = rig, writer, policy, so_far
+        tolerance_deg = 0.0 if rig.config.turntable is None else rig.config.turntable.tolerance_deg
+        self._inspector = Inspector()
+        self._keeper = Keeper(writer, self._inspector, so_far.revisits or Revisits(tolerance_deg))
+        self._room = Room(writer.folder)
+        self._attempts: dict[int, int] = {}
+        self._confirmed: set[int] = set()
+        self._taken = 0
+
+    def __enter__(self) -> "_Run":
+        """Begin."""
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> None:
+        """Stop what moves, if anything went wrong, and let the frame under way come onto the disk."""
+        if isinstance(error, Exception | KeyboardInterrupt):
+            self._rig.hold()
+        self._keeper.__exit__(None, None, None)
+
+    def events(
+        self, todo: deque[Step], pause_requested: Callable[[], bool], ask: Callable[[str], bool]
+    ) -> Iterator[RunEvent]:
+        self._rig.get_ready()
+        self._measure_ambient(todo)
+        while todo or self._keeper.is_busy:
+            if not todo or pause_requested() or self._must_ask(todo[0]):
+                yield from self._settle(todo)
+                if todo and pause_requested():
+                    yield self._pause()
+                    return
+                if todo and self._must_ask(todo[0]):
+                    self._ask(todo[0], ask)
+                continue
+            step = todo[0]
+            times_s = self._go(step)
+            yield from self._settle(todo)
+            if todo and todo[0] is step:
+                todo.popleft()
+                yield from self._expose(step, todo, times_s)
+        self._rig.park()
+
+    # What happens at a step
+
+    def _go(self, step: Step) -> dict[str, float]:
+        """Bring everything to its pose; return how long moving and settling took."""
+        rig, start_s, settle_s = self._rig, self._rig.clock.now_s(), 0.0
+        if step.angle_deg is not None:
+            settle_s += rig.turn_to(step.angle_deg).settle_s
+        if step.aim is not None and step.lit:
+            rig.point_light(step.aim.azimuth_deg, step.aim.elevation_deg, step.aim.lamp)
+            there_s = rig.clock.now_s()
+            rig.lights.switch_on(step.aim.lamp)
+            settle_s += rig.clock.now_s() - there_s
+        elif not step.lit:
+            rig.darken()
+        return {"move": rig.clock.now_s() - start_s - settle_s, "settle": settle_s}
+
+    def _expose(self, step: Step, todo: deque[Step], times_s: dict[str, float]) -> Iterator[RunEvent]:
+        start_s = self._rig.clock.now_s()
+        before = locate(step, self._rig)
+        shot = yield from self._shoot(step)
+        after = locate(step, self._rig)
+        self._check_settings(step, shot)
+        off_deg, reason = judge(step, self._rig, (before, after))
+        times_s["expose"] = self._rig.clock.now_s() - start_s
+        attempt = self._attempts.get(step.step, 0) + 1
+        exposed = Exposed(step, attempt, before, after, shot, off_deg, times_s)
+        if reason:
+            yield self._retry(Rejected(exposed, reason), todo)
+        else:
+            self._keeper.keep(exposed)
+
+    def _shoot(self, step: Step) -> Generator[RunEvent, None, Shot]:
+        """Take a picture; a camera that is lost is opened again."""
+        for left in reversed(range(self._policy.reconnects + 1)):
             try:
-                codes, quality = inspector.inspect(shot.content, shot.ending, "camera")
-                reason = quality.fault
-            except FormatError as error:
-                reason = str(error)
-        if not reason:
-            name = step.stem + ("" if attempt == 1 else f"_try{attempt}") + shot.ending
-            fields = _journal_fields(step, attempt, before, after, shot, quality)
-            entry = writer.add_frame(name, shot.content, make_thumbnail(codes), **fields)
-            return FrameTaken(step, entry["file"], quality, pose_error_deg)
-        writer.record("retry", step=step.step, attempt=attempt, reason=reason)
-    raise CameraError(f"step {step.step}: after {TRIES} tries the frame {reason}")
+                return self._rig.expose(self._rig.clock.now_s(), step.exposure_ev)
+            except CameraHangsError:
+                raise
+            except CameraError as error:
+                if not left:
+                    raise
+                self._writer.record("reconnect", step=step.step, reason=str(error))
+                yield Retried(step, self._policy.reconnects - left + 1, str(error))
+                self._rig.clock.sleep(self._policy.wait_s)
+                with suppress(CameraError):
+                    self._rig.camera.configure()
+        raise AssertionError
 
+    def _check_settings(self, step: Step, shot: Shot) -> None:
+        """Refuse a frame that was taken with other settings than those before it: exposures are never mixed."""
+        usual = self._so_far.settings.setdefault(step.exposure_ev, shot.settings)
+        changed = [
+            f"{key} {usual.get(key)} → {shot.settings.get(key)}"
+            for key in sorted({*usual, *shot.settings})
+            if usual.get(key) != shot.settings.get(key)
+        ]
+        if changed:
+            raise CameraError(
+                f"step {step.step}: the camera's settings changed since the frames before ({', '.join(changed)}); set "
+                "them in RIG.toml, so that they come back, or begin a new segment"
+            )
 
-def _go(step: Step, rig: Rig) -> None:
-    if step.angle_deg is not None:
-        rig.turn_to(step.angle_deg)
-    if step.aim is not None:
-        rig.light_from(step.aim.azimuth_deg, step.aim.elevation_deg, step.aim.lamp)
+    # What became of the frame before
 
+    def _settle(self, todo: deque[Step]) -> Iterator[RunEvent]:
+        """Wait for the frame under way; one that does not count is shot again next."""
+        fate = self._keeper.fate()
+        if fate is None:
+            return
+        if isinstance(fate, Rejected):
+            yield self._retry(fate, todo)
+            return
+        step = fate.taken.step
+        self._taken += 1
+        yield fate.taken
+        if fate.alarm:
+            self._call_back(step, fate.alarm)
+        if step.role is Role.CLOSURE:
+            self._so_far.since_revisit.clear()
+        else:
+            self._so_far.since_revisit.append(step.step)
+        self._room.check((self._writer.folder / fate.taken.file).stat().st_size, len(todo))
 
-def _locate(step: Step, rig: Rig) -> Poses:
-    """Ask everything that the step moved where it is; a part that lost torque, was reset or has a fault raises."""
-    with rig.minding_position():
-        return Poses(
-            None if step.angle_deg is None else rig.turntable.locate(),
-            None if step.aim is None else rig.locate_light(step.aim.lamp),
+    def _retry(self, rejected: Rejected, todo: deque[Step]) -> Retried:
+        step, attempt = rejected.exposed.step, rejected.exposed.attempt
+        self._writer.record("retry", step=step.step, attempt=attempt, reason=rejected.reason)
+        if attempt >= self._policy.tries:
+            raise CameraError(f"step {step.step}: after {attempt} tries the frame {rejected.reason}")
+        self._attempts[step.step] = attempt
+        todo.appendleft(step)
+        return Retried(step, attempt, rejected.reason)
+
+    def _call_back(self, step: Step, alarm: str) -> None:
+        doubtful = [*self._so_far.since_revisit, step.step]
+        self._writer.record("recall", steps=doubtful, reason=f"step {step.step} {alarm}")
+        raise RigError(
+            f"step {step.step} {alarm}: the table slipped, or the sample, the lamps or the camera were moved; the "
+            f"{len(doubtful)} frames since the last look are called back. Put everything back as it was"
         )
 
+    # What a person does
 
-def _judge_poses(step: Step, rig: Rig, poses: tuple[Poses, Poses]) -> tuple[float, str]:
-    """Return the largest error in degrees of the poses before and after, and what is wrong with it, if anything is."""
-    turned_deg = lit_deg = 0.0
-    for pose in poses:
-        if step.angle_deg is not None and pose.turntable is not None:
-            turned_deg = max(turned_deg, abs(pose.turntable.angle_deg - step.angle_deg))
-        if step.aim is not None and pose.light is not None:
-            wanted = direction_from_angles(step.aim.azimuth_deg, step.aim.elevation_deg)
-            found = direction_from_angles(pose.light.azimuth_deg, pose.light.elevation_deg)
-            lit_deg = max(lit_deg, angle_between_deg(wanted, found))
-    # Both joints of the arm may be off at once.
-    for part, off_deg, joints in ((rig.config.turntable, turned_deg, 1), (rig.config.arm, lit_deg, 2)):
-        if part is not None and off_deg > part.tolerance_deg * math.sqrt(joints):
-            return off_deg, f"was taken {off_deg:.2f}° off its pose; look what moves the rig"
-    return max(turned_deg, lit_deg), ""
+    def _must_ask(self, step: Step) -> bool:
+        return bool(step.ask) and step.step not in self._confirmed
 
+    def _ask(self, step: Step, ask: Callable[[str], bool]) -> None:
+        self._rig.darken()
+        if not ask(step.ask):
+            raise RigError(f"step {step.step} needs a person: {step.ask}")
+        self._confirmed.add(step.step)
+        self._writer.record("confirmed", step=step.step, what=step.ask)
 
-def _journal_fields(
-    step: Step, attempt: int, before: Poses, after: Poses, shot: Shot, quality: Quality
-) -> Mapping[str, Any]:
-    goal = {} if step.angle_deg is None else {"angle_deg": step.angle_deg}
-    fields: dict[str, Any] = {
-        "step": step.step,
-        "try": attempt,
-        "role": step.role.value,
-        "pose_goal": goal if step.aim is None else {**goal, **asdict(step.aim)},
-        "pose_before": before.as_json(),
-        "pose_after": after.as_json(),
-    }
-    if after.light is not None:
-        light = direction_from_angles(after.light.azimuth_deg, after.light.elevation_deg)
-        fields["light"] = [round(float(component), 6) for component in light / np.linalg.norm(light)]
-    fields["camera"] = dict(shot.settings)
-    fields["exposed"] = {"from_s": round(shot.exposed_from_s, 6), "to_s": round(shot.exposed_to_s, 6)}
-    fields["checks"] = quality.as_json()
-    fields["verdict"] = "good"
-    return fields
+    def _pause(self) -> Paused:
+        self._rig.pause()
+        self._writer.record("pause", frames=self._taken)
+        return Paused(self._taken)
 
-
-def _rounded(values: Mapping[str, float]) -> dict[str, float]:
-    return {key: round(value, 4) for key, value in values.items()}
+    def _measure_ambient(self, todo: Iterable[Step]) -> None:
+        """Look at the room with all lamps dark, to know a lamp that does not light."""
+        if not self._rig.can_darken or not any(step.aim is not None and step.lit for step in todo):
+            return
+        self._rig.darken()
+        shot = self._rig.expose(self._rig.clock.now_s())
+        _, quality = Inspector().inspect(shot.content, shot.ending, "camera")
+        self._inspector.ambient_light = quality.light
+        self._writer.record("ambient", light=round(quality.light, 6), mean=round(quality.mean, 6))

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 F64 = NDArray[np.float64]
 Order = NDArray[np.intp]
 
-MOST_ROUNDS = 60
+MOST_ROUNDS, FEWEST_ROUNDS = 60, 2
+MOST_PAIRS = 20_000_000
+"""Pairs of poses that are looked at in all rounds; the more poses, the fewer rounds, so that nobody waits long."""
 LONGEST_STRETCH = 3
 """Poses that or-opt moves together."""
 WORTH_IT = 1e-9
@@ -47,7 +49,7 @@ def shortest_tour(costs: F64, start: int) -> list[int]:
     order : indices of all poses, each once
     """
     order = _nearest_neighbour(costs, start)
-    for _ in range(MOST_ROUNDS):
+    for _ in range(min(MOST_ROUNDS, max(FEWEST_ROUNDS, MOST_PAIRS // len(order) ** 2))):
         turned, moved = _two_opt(order, costs), _or_opt(order, costs)
         if not turned and not moved:
             break

@@ -11,9 +11,9 @@ from benchmarks.measure import Comparison, compare
 from litrig.base.capture_folder.capture import Capture, CapturedFrame
 from litrig.base.pictures import read_codes
 from processing.amc.build import build
-from processing.amc.outline.circle import Circle
-from processing.amc.outline.orbit import find_outline
 from processing.amc.settings import Settings
+from processing.outline.circle import Circle
+from processing.outline.orbit import find_outline
 from processing.stack import Stack
 
 SLICES = 128

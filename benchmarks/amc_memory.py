@@ -16,8 +16,8 @@ from benchmarks.measure import peak_bytes
 from litrig.base.capture_folder.capture import Capture, CapturedFrame
 from processing.amc.build import build
 from processing.amc.files.ktx2 import write_amc
-from processing.amc.outline.circle import Circle
 from processing.amc.settings import Settings
+from processing.outline.circle import Circle
 
 SIZE, SHAPE = 256, (720, 1280)
 _TABLE_BYTES = SIZE**3 * 3 * 4

@@ -36,7 +36,7 @@ def cli(context: click.Context) -> None:
     the material becomes pictures (litrig render). Everything runs without hardware too (litrig sim).
     """
     if channel := os.environ.get(CHANNEL_VARIABLE):
-        context.obj = Foresight(lambda plan, report: announce(Path(channel), plan, report))
+        context.obj = Foresight(lambda steps, report: announce(Path(channel), steps, report))
 
 
 @cli.command(epilog="Example: litrig demo --out demo-out")

@@ -1,6 +1,8 @@
 """What the commands of all materials have in common."""
 
 import json
+from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,10 +12,45 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from litrig.base.capture_folder.capture import Capture
+
+    Refer = Callable[[Capture], Capture]
+
 PATH = click.Path(path_type=Path)
 FOLDER = click.argument("folder", metavar="FOLDER", type=PATH)
 PICTURES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object, for programs.")
+
+
+def references(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options that say what comes off pictures and divides them, handed over as `refer`.
+
+    `refer` takes the capture that was read and returns the one to work on; it says what it does.
+    """
+
+    @click.option("--white", metavar="IMAGE", type=PATH, help="Picture of a white card in the sample's place.")
+    @click.option("--dark", metavar="IMAGE", type=PATH, help="Picture with the lamps dark, or the lens covered.")
+    @click.option("--as-shot", is_flag=True, help="Leave the session's own white and dark frames out of it.")
+    @wraps(command)
+    def referred(*args: Any, white: Path | None, dark: Path | None, as_shot: bool, **options: Any) -> Any:
+        return command(*args, refer=lambda capture: _referred(capture, white, dark, as_shot), **options)
+
+    return referred
+
+
+def _referred(capture: "Capture", white: Path | None, dark: Path | None, as_shot: bool) -> "Capture":
+    from dataclasses import replace
+
+    from litrig.base.capture_folder.capture import Role
+    from litrig.base.capture_folder.reader import with_references
+
+    if as_shot:
+        capture = replace(capture, frames=tuple(f for f in capture.frames if f.role not in (Role.WHITE, Role.DARK)))
+    capture = with_references(capture, white, dark)
+    for role, use in ((Role.DARK, "taken off"), (Role.WHITE, "divided by")):
+        if names := [frame.path.name for frame in capture.having(role)]:
+            click.echo(f"{use}: {names[0]}" + (f" and {len(names) - 1} more" if len(names) > 1 else ""), err=True)
+    return capture
 
 
 def check_output(output: Path, *endings: str) -> None:

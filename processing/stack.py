@@ -14,6 +14,7 @@ from litrig.base.capture_folder.capture import Capture, Role
 from litrig.base.errors import FormatError, InputError
 from litrig.base.pictures import DISPLAY_ENDINGS, read_codes, read_encoded, read_linear
 from litrig.base.radiometry import Codes, decode_srgb_codes, encode_srgb
+from processing.composite import Composite, pictures_of
 
 F32 = NDArray[np.float32]
 Space = Literal["srgb", "linear"]
@@ -30,14 +31,15 @@ class Stack:
 
     Parameters
     ----------
-    paths : the picture files
+    pictures : the picture files, or what makes a picture of several
     correct : what is done to the linear light (H, W, 3) of each, such as taking out a lens's distortion
     """
 
-    def __init__(self, paths: Sequence[Path], correct: Correction | None = None) -> None:
-        if not paths:
+    def __init__(self, pictures: Sequence[Path | Composite], correct: Correction | None = None) -> None:
+        if not pictures:
             raise InputError("a stack of no pictures; name at least one")
-        self.paths = tuple(paths)
+        self._pictures = tuple(pictures)
+        self.paths = tuple(picture.path if isinstance(picture, Composite) else picture for picture in pictures)
         self._correct = correct
         self._shape: tuple[int, int] | None = None
 
@@ -50,10 +52,10 @@ class Stack:
         InputError
             The folder has none.
         """
-        paths = [frame.path for frame in capture.having(role)]
-        if not paths:
+        frames = list(capture.having(role))
+        if not frames:
             raise InputError(f"{capture.folder}: has no pictures of role {role}; capture it, or name the folder anew")
-        return cls(paths, correct)
+        return cls(pictures_of(capture, frames), correct)
 
     def __len__(self) -> int:
         return len(self.paths)
@@ -93,7 +95,7 @@ class Stack:
                 yield coming.popleft().result()
 
     def _part(self, index: int, window: Window) -> F32:
-        if self._correct is not None or self.paths[index].suffix.lower() not in DISPLAY_ENDINGS:
+        if not self._is_as_stored(index):
             return np.ascontiguousarray(self.linear(index)[window])
         # Codes are cut out before they become floats, which are four times as large.
         return decode_srgb_codes(self._checked(index, read_codes(self.paths[index]))[window])
@@ -106,7 +108,9 @@ class Stack:
         InputError, FormatError
             The file is missing, damaged, or of another size than the first; the message names it.
         """
-        return self.corrected(self._checked(index, read_linear(self.paths[index])))
+        picture = self._pictures[index]
+        light = picture.linear() if isinstance(picture, Composite) else read_linear(picture)
+        return self.corrected(self._checked(index, light))
 
     def stored(self, index: int, into: Codes | F32 | None = None) -> Codes | F32:
         """Read one picture as it is kept in its file: codes (H, W, 3) of 8 or 16 bits, or linear float32.
@@ -120,9 +124,9 @@ class Stack:
         InputError, FormatError
             As `linear`.
         """
-        path = self.paths[index]
-        if self._correct is not None or path.suffix.lower() not in DISPLAY_ENDINGS:
+        if not self._is_as_stored(index):
             return self.linear(index)
+        path = self.paths[index]
         return self._checked(index, read_codes(path, into if into is not None and into.dtype == np.uint8 else None))
 
     def corrected(self, picture: F32) -> F32:
@@ -131,13 +135,18 @@ class Stack:
 
     def encoded(self, index: int) -> F32:
         """Read one picture as display values (H, W, 3) float32 0..1; errors as for `linear`."""
-        if self._correct is not None:
+        if self._correct is not None or isinstance(self._pictures[index], Composite):
             return encode_srgb(self.linear(index))
         return self._checked(index, read_encoded(self.paths[index]))
 
     def frame(self, index: int, space: Space) -> F32:
         """Read one picture in the space that is asked for."""
         return self.linear(index) if space == "linear" else self.encoded(index)
+
+    def _is_as_stored(self, index: int) -> bool:
+        """Tell whether a picture is what a file of display values holds, and nothing else."""
+        is_file = not isinstance(self._pictures[index], Composite)
+        return is_file and self._correct is None and self.paths[index].suffix.lower() in DISPLAY_ENDINGS
 
     def _checked(self, index: int, picture: Picture) -> Picture:
         height, width = picture.shape[:2]

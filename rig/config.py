@@ -194,6 +194,11 @@ class AlwaysOnConfig(LightsSection):
     kind: Literal["always-on"]
     """The driver."""
 
+    @property
+    def switchable(self) -> bool:
+        """A person does that."""
+        return False
+
 
 class CameraConfig(CameraSection):
     """A camera behind V4L2."""

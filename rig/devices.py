@@ -11,10 +11,16 @@ from typing import Protocol
 
 @dataclass(frozen=True)
 class TurntablePose:
-    """Where the turntable was told to be (None: nowhere yet), and where it reads that it is."""
+    """Where the turntable was told to be (None: nowhere yet), and where it reads that it is.
+
+    Attributes
+    ----------
+    settle_s : after a move, how long it took from the end of the motion until it was seen to stand still
+    """
 
     commanded_deg: float | None
     angle_deg: float
+    settle_s: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -111,10 +117,13 @@ class Camera(Protocol):
     """Takes pictures one by one."""
 
     def configure(self) -> Mapping[str, float | str]:
-        """Open, set everything that can be set, and return what the camera reads back."""
+        """Open, or open again, set everything that can be set, and return what the camera reads back."""
 
-    def capture(self, not_before_s: float) -> Shot:
-        """Take a picture whose exposure began after an instant of the rig's clock."""
+    def capture(self, not_before_s: float, exposure_ev: float = 0.0) -> Shot:
+        """Take a picture whose exposure began after an instant of the rig's clock.
+
+        `exposure_ev` is in stops above the exposure time of RIG.toml; it holds for this picture only.
+        """
 
     def close(self) -> None:
         """Let the camera go."""

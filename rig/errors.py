@@ -10,6 +10,7 @@ LitrigError
 │   │   └── PositionLostError   it no longer knows where it is: home it
 │   ├── OutOfRangeError     beyond the limits; nothing moved
 │   └── CameraError         no camera, no picture, or the wrong one
+│       └── CameraHangsError    it was asked, and never answered
 └── HoldError               status 3: see litrig.base.errors
 """
 
@@ -50,3 +51,7 @@ class OutOfRangeError(RigError):
 
 class CameraError(RigError):
     """The camera is missing, hangs, or delivers no usable picture."""
+
+
+class CameraHangsError(CameraError):
+    """The camera was asked for a picture and never answered; its process was ended."""

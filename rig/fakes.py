@@ -143,17 +143,21 @@ class FakeCamera:
     paint: Callable[[], bytes]
     clock: Clock = field(default_factory=FakeClock)
     exposure_s: float = 0.01
+    exposed_s: float = 0.01
+    """The exposure time of the last picture."""
 
     def configure(self) -> Mapping[str, float | str]:
         """Tell the settings."""
         return {"exposure_ms": 1000 * self.exposure_s}
 
-    def capture(self, not_before_s: float) -> Shot:
+    def capture(self, not_before_s: float, exposure_ev: float = 0.0) -> Shot:
         """Expose from now on."""
         start_s = max(self.clock.now_s(), not_before_s) + 1e-6
+        self.exposed_s = self.exposure_s * 2**exposure_ev
         content = self.paint()
-        self.clock.sleep(start_s - self.clock.now_s() + self.exposure_s)
-        return Shot(content, ".jpg", start_s, start_s + self.exposure_s, self.configure())
+        self.clock.sleep(start_s - self.clock.now_s() + self.exposed_s)
+        settings = {"exposure_ms": 1000 * self.exposed_s}
+        return Shot(content, ".jpg", start_s, start_s + self.exposed_s, settings)
 
     def close(self) -> None:
         """Nothing to give back."""

@@ -98,6 +98,11 @@ class Rig:
         """Whether each lamp has its place, and none rides on the arm."""
         return bool(self.directions_deg)
 
+    @property
+    def can_darken(self) -> bool:
+        """Whether it has lamps that go dark when they are told to."""
+        return self._lights is not None and self.config.lights is not None and self.config.lights.switchable
+
     def nearest_lamp(self, direction: F64) -> int:
         """Return the lamp of a dome whose direction is nearest to a vector (3,) in the view frame."""
         off_deg = [angle_between_deg(direction, direction_from_angles(*angles)) for angles in self.directions_deg]
@@ -158,22 +163,31 @@ class Rig:
 
     def light_from(self, azimuth_deg: float, elevation_deg: float, lamp: int = 0) -> ArmPose:
         """Light a lamp: that of the arm, brought to a direction, or one of a dome, which hangs there."""
+        self.point_light(azimuth_deg, elevation_deg, lamp)
+        self.lights.switch_on(lamp)
+        return self.locate_light(lamp)
+
+    def point_light(self, azimuth_deg: float, elevation_deg: float, lamp: int = 0) -> None:
+        """Bring the lamp of the arm to a direction; a lamp of a dome hangs there."""
         self.check_light(azimuth_deg, elevation_deg, lamp)
         if not self.has_dome:
             with self._doing(RigState.MOVING):
                 self._moving = self.arm
                 self.arm.move_to(azimuth_deg, elevation_deg)
-        self.lights.switch_on(lamp)
-        return self.locate_light(lamp)
 
     def locate_light(self, lamp: int = 0) -> ArmPose:
         """Tell where a lamp is: ask the arm, or look up the dome."""
         return ArmPose(*self.directions_deg[lamp]) if self.has_dome else self.arm.locate()
 
-    def expose(self, not_before_s: float) -> Shot:
-        """Take a picture."""
+    def darken(self) -> None:
+        """Put the lamps out, if the rig has any."""
+        if self._lights is not None:
+            self._lights.switch_off()
+
+    def expose(self, not_before_s: float, exposure_ev: float = 0.0) -> Shot:
+        """Take a picture, so many stops above the exposure of RIG.toml."""
         with self._doing(RigState.EXPOSING):
-            return self.camera.capture(not_before_s)
+            return self.camera.capture(not_before_s, exposure_ev)
 
     def pause(self) -> None:
         """Stay where it is: torque on, lamps dark."""

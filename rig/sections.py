@@ -21,6 +21,8 @@ class TurntableSection(StrictModel):
 
     kind: str
     """The driver."""
+    serial_number: str = ""
+    """Serial number or inventory mark, for the session's records."""
     port: Port
     """Where it is plugged in."""
     tolerance_deg: Positive = 0.3
@@ -57,6 +59,8 @@ class ArmSection(StrictModel):
 
     kind: str
     """The driver."""
+    serial_number: str = ""
+    """Serial number or inventory mark, for the session's records."""
     port: Port
     """Where it is plugged in."""
     tolerance_deg: Positive = 0.2
@@ -77,6 +81,13 @@ class LightsSection(StrictModel):
 
     kind: str
     """The driver."""
+    serial_number: str = ""
+    """Serial number or inventory mark, for the session's records."""
+
+    @property
+    def switchable(self) -> bool:
+        """Whether they go dark when they are told to."""
+        return True
 
     @property
     def directions_deg(self) -> tuple[tuple[float, float], ...]:
@@ -104,6 +115,8 @@ class CameraSection(StrictModel):
 
     kind: str
     """The driver."""
+    serial_number: str = ""
+    """Serial number or inventory mark, for the session's records."""
 
     @property
     def instrument(self) -> str:

@@ -37,7 +37,11 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
     required=True,
     help="PNG, JPEG, TIFF or EXR; MP4 with --turntable or --tour.",
 )
-@click.option("--mesh", metavar="NAME", help="What to show it on: torus, sphere, cloth, ribbon, pillow or sewn.")
+@click.option(
+    "--mesh",
+    metavar="NAME|FILE",
+    help="What to show it on: torus, sphere, cloth, ribbon, pillow, sewn, shirt, or a file (OBJ, PLY, GLB, STL).",
+)
 @click.option(
     "--light",
     "lights",

@@ -6,13 +6,15 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import numpy as np
+from click import echo
 from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
-from processing.mesh.builtin import builtin_mesh
 from processing.mesh.direction_map import read_directions
+from processing.mesh.either import mesh_of
 from processing.mesh.fields import painted, turned
 from processing.mesh.model import Mesh
+from processing.mesh.occlusion_cache import with_occlusion
 from processing.ptm.files.either import holds_material
 from viewer.geometry import Geometry, mesh_geometry
 from viewer.motion import Course, Moment
@@ -100,11 +102,11 @@ def _staged_beside(staging: Staging, file: Path) -> Staging:
 
 
 def _staged_mesh(staging: Staging) -> Mesh:
-    mesh = builtin_mesh(staging.mesh or DEFAULT_MESH)
+    mesh, remarks = mesh_of(staging.mesh or DEFAULT_MESH)
+    for remark in remarks:
+        echo(remark, err=True)
     if staging.amc.directions is not None:
         mesh = painted(mesh, read_directions(staging.amc.directions), str(staging.amc.directions))
     if staging.occluded and mesh.occlusion is None:
-        raise InputError(
-            f"mesh {staging.mesh or DEFAULT_MESH!r}: its ambient occlusion is not known; leave out --occlusion"
-        )
+        mesh = with_occlusion(mesh)
     return turned(mesh, staging.amc.turn_deg)

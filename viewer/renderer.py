@@ -135,6 +135,11 @@ class Renderer:
             finally:
                 previous.use()
 
+    def finish(self) -> None:
+        """Wait until all that was asked for is drawn; reading waits by itself."""
+        with self._gl.moderngl as context:
+            context.finish()
+
     def picture(
         self, look: Look, geometry: Geometry, view: View | Camera | None = None, *, size: Size, supersample: int = 1
     ) -> F32:

@@ -77,7 +77,7 @@ class Staging:
 
     Attributes
     ----------
-    mesh : name of a builtin mesh; None is a torus, and flat for a PTM
+    mesh : name of a builtin mesh, or a mesh file; None is a torus, and flat for a PTM
     size_px : width and height; None is 800 by 800, or the PTM's own size if it is flat
     background_srgb : colour behind the object, display values 0..1; None is transparent
     supersample : draw so many times finer and average

@@ -14,6 +14,9 @@ from litrig.base.config import StrictModel, read_toml
 
 F64 = NDArray[np.float64]
 
+FARTHEST_RADII = 1e6
+"""How far a camera may be from a sphere, in radii; beyond, nobody could tell from an orthographic picture."""
+
 
 class CameraModel(StrictModel):
     """A CAMERA.toml: pinhole with Brown–Conrady distortion, as OpenCV's calibration has it."""

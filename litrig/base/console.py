@@ -4,18 +4,29 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Protocol
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, TaskID, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bars
 
-from litrig.base.progress import Progress, Report
+from litrig.base.progress import Progress
 
 SECONDS_BETWEEN_LINES = 5.0
 
 
+class Reporter(Protocol):
+    """A place to send progress to, where a person may be asked something."""
+
+    def __call__(self, progress: Progress) -> None:
+        """Draw it."""
+
+    def ask(self, what: str) -> bool:
+        """Say something, and wait until it is confirmed; False if nobody can."""
+
+
 @contextmanager
-def reporting() -> Iterator[Report]:
+def reporting() -> Iterator[Reporter]:
     """Yield a place to send progress to; it is drawn on standard error, so that answers can be piped."""
     console = Console(stderr=True)
     if not console.is_terminal:
@@ -41,6 +52,14 @@ class _BarPerJob:
         if progress.job not in self._tasks:
             self._tasks[progress.job] = self._bars.add_task(progress.job, total=progress.total, note="")
         self._bars.update(self._tasks[progress.job], completed=progress.done, total=progress.total, note=progress.note)
+
+    def ask(self, what: str) -> bool:
+        """Ask between two drawings of the bar."""
+        self._bars.stop()
+        try:
+            return _confirmed(what)
+        finally:
+            self._bars.start()
 
 
 class PlainLines:
@@ -71,6 +90,16 @@ class PlainLines:
             sys.stderr.flush()
         except OSError:
             self._quiet = True
+
+    def ask(self, what: str) -> bool:
+        """Ask on a line."""
+        return _confirmed(what)
+
+
+def _confirmed(what: str) -> bool:
+    sys.stderr.write(f"{what}: ")
+    sys.stderr.flush()
+    return bool(sys.stdin.readline())
 
 
 def _time_left(progress: Progress, elapsed_s: float) -> str:

@@ -13,21 +13,13 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from litrig.base.errors import InputError
+from litrig.base.store import DISK, Store
 
 _temporary_numbers = itertools.count()
 
 
-def sync_folder(folder: Path) -> None:
-    """Make the names in a folder durable."""
-    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
-
-
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
+def replacing(path: Path, store: Store = DISK) -> Iterator[Path]:
     """Hand out a temporary name beside `path`; what is written there takes the place of `path` at the end.
 
     Raises
@@ -43,24 +35,23 @@ def replacing(path: Path) -> Iterator[Path]:
         if path.is_dir():
             raise InputError(f"{path}: is a folder; name a file")
         yield temporary
-        with temporary.open("rb") as written:
-            os.fsync(written.fileno())
-        temporary.replace(path)
-        sync_folder(path.parent)
+        store.sync(temporary)
+        store.rename(temporary, path)
+        store.sync_folder(path.parent)
     except OSError as error:
         raise InputError(
             f"{path}: cannot be written ({error.strerror or error}); free space, or choose another name or folder"
         ) from error
     finally:
         with suppress(OSError):  # nothing was made where the name itself is refused
-            temporary.unlink(missing_ok=True)
+            if os.path.lexists(temporary):
+                store.remove(temporary)
 
 
-def write_atomically(path: Path, *content: bytes) -> None:
+def write_atomically(path: Path, *content: bytes, store: Store = DISK) -> None:
     """Write a whole file, part after part, or leave what was there."""
-    with replacing(path) as temporary:
-        with temporary.open("wb") as file:
-            file.writelines(content)
+    with replacing(path, store) as temporary:
+        store.write(temporary, *content)
         stored, wanted = temporary.stat().st_size, sum(map(len, content))
         if stored != wanted:
             raise InputError(f"{path}: only {stored} of {wanted} bytes could be written; free space and try again")
@@ -82,11 +73,10 @@ def making_folder(path: Path) -> Iterator[Path]:
         temporary.mkdir()
         yield temporary
         for written in temporary.iterdir():
-            with written.open("rb") as file:
-                os.fsync(file.fileno())
-        sync_folder(temporary)
+            DISK.sync(written)
+        DISK.sync_folder(temporary)
         temporary.rename(path)
-        sync_folder(path.parent)
+        DISK.sync_folder(path.parent)
     except OSError as error:
         raise InputError(
             f"{path}: cannot be written ({error.strerror or error}); free space, or choose another name or folder"

@@ -61,19 +61,30 @@ def read_lp(path: Path) -> Lights:
 
 
 def write_lp(path: Path, lights: Lights) -> None:
-    """Write an `.lp` file that every RTI tool reads: count, then `name x y z`.
+    """Write an `.lp` file.
 
     Raises
     ------
     InputError
-        The lights have no names, without which other tools refuse the file, or it cannot be written.
+        The lights have no names, or it cannot be written.
+    """
+    write_atomically(path, lp_text(path, lights))
+
+
+def lp_text(path: Path, lights: Lights) -> bytes:
+    """Return what an `.lp` file says that every RTI tool reads: count, then `name x y z`.
+
+    Raises
+    ------
+    InputError
+        The lights have no names, without which other tools refuse the file, which `path` names.
     """
     if lights.names is None:
         raise InputError(f"{path}: an .lp file names a picture for each light, and these have no names; give them some")
     lines = [str(len(lights.names))]
     for name, (x, y, z) in zip(lights.names, lights.directions, strict=True):
         lines.append(f"{name} {x:.6f} {y:.6f} {z:.6f}")
-    write_atomically(path, ("\n".join(lines) + "\n").encode("utf-8", "surrogateescape"))
+    return ("\n".join(lines) + "\n").encode("utf-8", "surrogateescape")
 
 
 def spellings(name: str) -> Iterator[str]:

@@ -6,8 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from acquisition.plans import AmcPlan, Plan, PtmPlan
-from acquisition.session import SessionInfo, capture
+from acquisition.plans import Plan, amc_plan, ptm_plan
+from acquisition.session import capture
+from acquisition.session_info import SessionInfo
+from acquisition.watching import watching
 from firmware_sim.config import SimConfig
 from firmware_sim.launch import simulated_rig
 from litrig.base.capture_folder.reader import read_capture
@@ -83,8 +85,8 @@ def run_demo(folder: Path, size: DemoSize, kind: SceneKind, report: Report) -> P
     stages = Stages(size.expected_s(kind), report)
     brushed, relief = folder / "captures" / BRUSHED, folder / "captures" / RELIEF
     amc_file, ptm_file = folder / f"{BRUSHED}.amc.ktx2", folder / f"{RELIEF}.ptm"
-    _capture("brushed sphere", scenes.brushed_sphere(kind), AmcPlan(size.slices), brushed, stages)
-    _capture("relief", scenes.relief(kind), PtmPlan(size.lights), relief, stages)
+    _capture("brushed sphere", scenes.brushed_sphere(kind), amc_plan(size.slices), brushed, stages)
+    _capture("relief", scenes.relief(kind), ptm_plan(size.lights), relief, stages)
     with stages.stage("Anisotropic MatCap") as step:
         result = build(read_capture(brushed), Settings(size=size.table), report=step)
         write_amc(amc_file, result.amc)
@@ -134,7 +136,8 @@ def _capture(what: str, sim: SimConfig, plan: Plan, folder: Path, stages: Stages
         config = read_rig(simulated.rig_toml)
         info = SessionInfo(object_id=folder.name)
         with stages.stage(f"capture of the {what}") as step:
-            complete = capture(config, plan, folder, info, report=step, environment=simulated.environment)
+            operator = watching("frames", step)
+            complete = capture(config, plan, folder, info, operator=operator, environment=simulated.environment)
     if not complete:
         raise KeyboardInterrupt
     findings = verify_capture(folder).findings

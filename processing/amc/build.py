@@ -18,13 +18,13 @@ from processing.amc.geometry import SphereView
 from processing.amc.invariance import InvarianceReport, find_invariance
 from processing.amc.model import Amc, Invariance, TangentAngle
 from processing.amc.noise import noise_variance
-from processing.amc.outline.orbit import Outline
 from processing.amc.probe import Probe, make_probe
 from processing.amc.resample import dilate
 from processing.amc.settings import Settings
 from processing.amc.shots import Shots, Slices, find_shots
 from processing.amc.split import fit_envelope
 from processing.amc.table import make_table
+from processing.outline.orbit import Outline
 from processing.room import make_room
 
 F64 = NDArray[np.float64]

@@ -6,7 +6,17 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from processing.command_parts import FOLDER, JSON, PATH, PICTURES, check_folder, check_output, echo_clipped, echo_facts
+from processing.command_parts import (
+    FOLDER,
+    JSON,
+    PATH,
+    PICTURES,
+    check_folder,
+    check_output,
+    echo_clipped,
+    echo_facts,
+    references,
+)
 
 if TYPE_CHECKING:
     from litrig.base.capture_folder.capture import Capture
@@ -14,6 +24,7 @@ if TYPE_CHECKING:
     from processing.amc.build import AmcResult
     from processing.amc.model import Invariance
     from processing.amc.settings import Settings
+    from processing.command_parts import Refer
 
 _CIRCLE = click.option(
     "--circle", type=float, nargs=3, metavar="X Y R", help="The sphere's outline in pixels, from the upper left corner."
@@ -128,6 +139,13 @@ def amc() -> None:
 @click.option(
     "--report", "report_folder", type=PATH, metavar="DIR", help="Write a page about the build, DIR/index.html."
 )
+@click.option(
+    "--under",
+    type=(float, float),
+    metavar="AZIMUTH ELEVATION",
+    help="Of a session under many lights, the one to build from, in degrees.",
+)
+@references
 @JSON
 def build(
     folder: Path,
@@ -138,6 +156,8 @@ def build(
     split: bool,
     unlit: Path | None,
     report_folder: Path | None,
+    under: tuple[float, float] | None,
+    refer: "Refer",
     as_json: bool,
     **choices: Any,
 ) -> None:
@@ -160,7 +180,8 @@ def build(
         check_folder(report_folder)
     settings = _settings(**choices)
     with reporting() as report:
-        turns = {name: _read_turn(turn, even) for name, turn in (("", folder), ("unlit", unlit)) if turn is not None}
+        folders = {"": folder} if unlit is None else {"": folder, "unlit": unlit}
+        turns = {name: _read_turn(turn, even, under, refer) for name, turn in folders.items()}
         results = _results(turns, mask, split, settings, report)
         paths = {name: beside(output, name) for name in results}
         for name, result in results.items():
@@ -221,8 +242,8 @@ def _settings(
     from litrig.base.table_normals import TableNormal
     from processing.amc.invariance import MOST_REPEATS, THRESHOLD
     from processing.amc.model import TangentAngle
-    from processing.amc.outline.circle import Circle
     from processing.amc.settings import Settings
+    from processing.outline.circle import Circle
 
     return Settings(
         size=size,
@@ -242,10 +263,13 @@ def _settings(
     )
 
 
-def _read_turn(folder: Path, even: bool) -> "Capture":
+def _read_turn(folder: Path, even: bool, under: tuple[float, float] | None, refer: "Refer") -> "Capture":
     from litrig.base.capture_folder.reader import read_capture, turn_evenly
+    from litrig.base.capture_folder.select import under_one_light
+    from litrig.base.directions import direction_from_angles
 
-    capture = read_capture(folder)
+    light = None if under is None else direction_from_angles(*under)
+    capture = refer(under_one_light(read_capture(folder), light))
     return turn_evenly(capture) if even else capture
 
 
@@ -320,10 +344,10 @@ def matcap(
     from litrig.base.pictures import write_picture
     from litrig.base.table_normals import TableNormal
     from processing.amc.geometry import SphereView
-    from processing.amc.outline.circle import Circle
     from processing.amc.photo import find_ball, matcap_from_photo
-    from processing.amc.undistort import undistortion
+    from processing.outline.circle import Circle
     from processing.stack import Stack
+    from processing.undistort import undistortion
 
     _refuse_two_distances(distance, camera)
     check_output(output, *PICTURES)

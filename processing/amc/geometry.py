@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from litrig.base.camera_model import FARTHEST_RADII
 from litrig.base.errors import InputError
 from litrig.base.table_normals import TableNormal
 
@@ -18,7 +19,6 @@ F64 = NDArray[np.float64]
 # The share of the ray's angle β by which the table turns a normal; exact in the plane of normal, ray and axis.
 _SHARE = {TableNormal.CAMERA: 0.0, TableNormal.RECTIFIED: 0.5, TableNormal.VIEW: 1.0}
 _MOST_STEPS, _CLOSE_RAD = 100, 1e-12
-FARTHEST_RADII = 1e6
 
 
 @dataclass(frozen=True)

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from litrig.base.errors import InputError
 from litrig.base.radiometry import encode_srgb
 from processing.amc.geometry import SphereView
-from processing.amc.outline.circle import Circle, trusted
-from processing.amc.outline.limb import weigh_apart
-from processing.amc.outline.silhouette import Turn, exposed, shrunk
 from processing.amc.resample import dilate, make_resampler
+from processing.outline.circle import Circle, trusted
+from processing.outline.limb import weigh_apart
+from processing.outline.silhouette import Turn, exposed, shrunk
 
 F32 = NDArray[np.float32]
 

@@ -10,7 +10,7 @@ from scipy import ndimage
 from litrig.base.errors import InputError
 from litrig.base.kernels import kernel
 from processing.amc.geometry import SphereView, texel_plane
-from processing.amc.outline.circle import Circle
+from processing.outline.circle import Circle
 
 F32 = NDArray[np.float32]
 Number = TypeVar("Number", bound=np.generic)

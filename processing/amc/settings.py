@@ -10,7 +10,7 @@ from litrig.base.table_normals import TableNormal
 from processing.amc.geometry import SphereView
 from processing.amc.invariance import MOST_REPEATS, THRESHOLD
 from processing.amc.model import Invariance, TangentAngle
-from processing.amc.outline.circle import Circle
+from processing.outline.circle import Circle
 
 LARGEST_SIZE = 1024
 LARGEST_REPEATS = 12

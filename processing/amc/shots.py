@@ -13,15 +13,16 @@ from litrig.base.progress import Progress, Report
 from processing.amc.geometry import SphereView, texel_plane
 from processing.amc.harmonics import check_angles
 from processing.amc.noise import difference_gain
-from processing.amc.outline.circle import Circle
-from processing.amc.outline.orbit import Orbit, Outline, find_outline
 from processing.amc.resample import make_resampler
 from processing.amc.settings import Settings
 from processing.amc.table import Series
 from processing.amc.tangent_turn import TangentTurn
-from processing.amc.undistort import undistortion
+from processing.composite import pictures_of
+from processing.outline.circle import Circle
+from processing.outline.orbit import Orbit, Outline, find_outline
 from processing.room import Room, make_room
 from processing.stack import Stack, Window
+from processing.undistort import undistortion
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -155,7 +156,7 @@ def find_shots(capture: Capture, settings: Settings, report: Report) -> Shots:
     zero_deg = capture.tangent_zero_deg if settings.tangent_zero_deg is None else settings.tangent_zero_deg
     tangents_deg = angles_deg[order] + zero_deg
     series = Series(np.radians(tangents_deg), check_angles(np.radians(tangents_deg), str(capture.folder)))
-    stack = Stack([frames[index].path for index in order], undistortion(settings.camera))
+    stack = Stack(pictures_of(capture, [frames[index] for index in order]), undistortion(settings.camera))
     source = str(capture.folder)
     given = settings.circle
     outline = find_outline(stack, series.angles_rad, report) if given is None else _held(given)

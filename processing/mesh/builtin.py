@@ -1,4 +1,4 @@
-"""Meshes that need no file: torus, sphere, cloth, ribbon, pillow, and a sewn skirt."""
+"""Meshes that need no file: torus, sphere, cloth, ribbon, pillow, a sewn skirt, and a shirt."""
 
 import math
 from collections.abc import Callable
@@ -13,6 +13,7 @@ from processing.mesh.grids import fit_unit_sphere, grid, grid_mesh, join, unit, 
 from processing.mesh.jets import Jet
 from processing.mesh.model import Mesh
 from processing.mesh.sewn import skirt
+from processing.mesh.shirt import shirt
 from processing.mesh.surfaces import Point
 
 F64 = NDArray[np.float64]
@@ -28,7 +29,7 @@ def builtin_mesh(name: str) -> Mesh:
     """
     if name not in _MAKERS:
         names = ", ".join(BUILTIN_NAMES)
-        raise InputError(f"mesh {name!r}: there is no such mesh, and mesh files cannot be read yet; use one of {names}")
+        raise InputError(f"mesh {name!r}: there is no such mesh; use one of {names}")
     return _MAKERS[name]()
 
 
@@ -70,6 +71,7 @@ _MAKERS: dict[str, Callable[[], Mesh]] = {
     "ribbon": ribbon,
     "pillow": pillow,
     "sewn": skirt,
+    "shirt": shirt,
 }
 BUILTIN_NAMES = tuple(_MAKERS)
 

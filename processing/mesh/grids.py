@@ -1,5 +1,7 @@
 """Meshes that are grids of parameters: what their makers share."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -65,7 +67,7 @@ def fit_unit_sphere(mesh: Mesh) -> Mesh:
     middle = (mesh.positions.min(axis=0) + mesh.positions.max(axis=0)) / 2
     centred = mesh.positions - middle
     reach = np.linalg.norm(centred, axis=1).max()
-    return Mesh((centred / reach).astype(np.float32), mesh.normals, mesh.tangents, mesh.uvs, mesh.triangles)
+    return replace(mesh, positions=(centred / reach).astype(np.float32))
 
 
 def unit(vectors: F64) -> F64:

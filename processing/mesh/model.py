@@ -17,8 +17,8 @@ class Mesh:
     tangents : (V, 3) float32, unit, along the surface's ∇U and orthogonal to the normal
     uvs : (V, 2) float32, u along the grain, v upwards in a picture that is laid on the surface
     triangles : (T, 3) int32, indices of vertices
-    occlusion : (V,) float32, ambient occlusion: the share of the sky that a vertex sees, 1 = open, 0 = closed; None if
-        nobody has found it
+    occlusion : (V,) float32, how much of the surroundings each vertex sees over its surface, weighted by the cosine:
+        1 = open, 0 = closed; None where nobody asked
     """
 
     positions: NDArray[np.float32]

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
+from processing.mesh.rows import sums_by
 
 F32 = NDArray[np.float32]
 Floats = NDArray[np.floating]
@@ -32,9 +33,7 @@ def vertex_tangents(positions: F32, normals: F32, uvs: F32, triangles: NDArray[n
         u does not vary around some vertex, so that it has no tangent.
     """
     weighted = area_gradients(positions, uvs[triangles, 0], triangles)
-    summed = np.zeros(positions.shape)
-    for corner in range(3):
-        np.add.at(summed, triangles[:, corner], weighted)
+    summed = sums_by(triangles.reshape(-1).astype(np.int64), np.repeat(weighted, 3, axis=0), len(positions))
     return unit_in_plane(summed, np.asarray(normals, np.float64))
 
 
@@ -65,13 +64,19 @@ def unit_in_plane(vectors: NDArray[np.float64], normals: NDArray[np.float64]) ->
     InputError
         A gradient vanishes in its plane.
     """
+    unit, lost = unit_in_plane_or_lost(vectors, normals)
+    if np.any(lost):
+        raise InputError(
+            f"mesh: u does not vary around {np.count_nonzero(lost)} of {len(lost)} vertices, so that they have no "
+            "tangent; lay out its texture coordinates again"
+        )
+    return unit
+
+
+def unit_in_plane_or_lost(vectors: NDArray[np.float64], normals: NDArray[np.float64]) -> tuple[F32, NDArray[np.bool_]]:
+    """Do what `unit_in_plane` does, and tell which vectors (V,) vanish in their planes instead; those become 0."""
     flat = vectors - normals * np.sum(vectors * normals, axis=1, keepdims=True)
     length = np.linalg.norm(flat, axis=1, keepdims=True)
-    lost = int(np.count_nonzero(length <= _FLAT))
-    if lost:
-        raise InputError(
-            f"mesh: u does not vary around {lost} of {len(length)} vertices, so that they have no tangent; "
-            "lay out its texture coordinates again"
-        )
-    unit: F32 = (flat / length).astype(np.float32)
-    return unit
+    lost = length[:, 0] <= _FLAT
+    unit: F32 = np.where(lost[:, None], 0, flat / np.where(lost[:, None], 1, length)).astype(np.float32)
+    return unit, lost

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
-from processing.command_parts import FOLDER, JSON, PATH
+from processing.command_parts import FOLDER, JSON, PATH, references
 from processing.ptm.files.cli import convert, info
 from processing.ptm.lights.cli import lights
 from processing.ptm.relighting.cli import relight
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from litrig.base.capture_folder.capture import Capture
+    from processing.command_parts import Refer
     from processing.ptm.basis import Basis, Kind
     from processing.ptm.model import Colour, Space
     from processing.ptm.near_lights import NearLights
@@ -98,6 +99,8 @@ ptm.add_command(lights)
     help="Decoded pictures of more than this go to a temporary file.",
 )
 @click.option("--spool", type=PATH, metavar="DIR", help="Where that file goes; by default where temporary files go.")
+@click.option("--angle", "angle_deg", type=float, metavar="DEG", help="Of a session of many angles, the one to fit.")
+@references
 @JSON
 def fit(  # one option each
     folder: Path,
@@ -113,6 +116,8 @@ def fit(  # one option each
     far: bool,
     memory: float,
     spool: Path | None,
+    angle_deg: float | None,
+    refer: "Refer",
     as_json: bool,
 ) -> None:
     """Fit a relightable picture to the pictures in FOLDER.
@@ -131,7 +136,7 @@ def fit(  # one option each
 
     chosen = _basis(basis, terms)
     check_form(output, chosen)
-    capture, lights = _read_lit_frames(folder, lp, picture_width)
+    capture, lights = _read_lit_frames(folder, lp, picture_width, angle_deg)
     settings = FitSettings(
         basis=chosen,
         colour=colour or ("lrgb" if basis == "ptm" else "rgb"),
@@ -143,7 +148,7 @@ def fit(  # one option each
         memory_bytes=int(memory * 1e9),
         spool=spool,
     )
-    stack = Stack.of(capture)
+    stack = Stack.of(refer(capture))
     names = {"source": capture.digest, "lights_source": str(capture.lights_from or folder)}
     with reporting() as report:
         fitted = start_fit(stack, lights.directions, settings, report=report, **names)
@@ -176,11 +181,14 @@ def _basis(kind: "Kind", terms: int | None) -> "Basis":
     return Basis(kind, terms or possible[0])
 
 
-def _read_lit_frames(folder: Path, lp: Path | None, picture_width_mm: float | None) -> "tuple[Capture, _Lit]":
+def _read_lit_frames(
+    folder: Path, lp: Path | None, picture_width_mm: float | None, angle_deg: float | None
+) -> "tuple[Capture, _Lit]":
     import numpy as np
 
     from litrig.base.capture_folder.capture import Role
     from litrig.base.capture_folder.reader import pair_lights, read_capture
+    from litrig.base.capture_folder.select import at_one_angle
     from litrig.base.errors import InputError
     from litrig.base.light_files import read_lights
     from processing.ptm.near_lights import NearLights
@@ -192,6 +200,7 @@ def _read_lit_frames(folder: Path, lp: Path | None, picture_width_mm: float | No
             # The vectors of an .lp are positions where they are not of length 1, and the width says in what unit.
             listed = replace(listed, positions_mm=listed.vectors)
         capture = pair_lights(capture, listed, lp)
+    capture = at_one_angle(capture, angle_deg)
     frames = list(capture.having(Role.FRAME))
     for frame in frames:
         if frame.light is None:

@@ -11,7 +11,7 @@ from typing import Any
 from rig.clock import Clock
 from rig.config import CameraConfig
 from rig.devices import Shot
-from rig.errors import CameraError
+from rig.errors import CameraError, CameraHangsError
 from rig.serial_port import holders
 
 ENDINGS = {"MJPG": ".jpg", "YUYV": ".png"}
@@ -26,24 +26,23 @@ class V4l2Camera:
     def __init__(self, config: CameraConfig, clock: Clock, environment: Mapping[str, str] | None = None) -> None:
         """Start the worker; `environment` adds to what it inherits."""
         self._config, self._clock = config, clock
+        self._environment = {**os.environ, **(environment or {})}
         self._pending = b""
-        self._worker = subprocess.Popen(
-            [sys.executable, "-m", "rig.camera.worker"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            env={**os.environ, **(environment or {})},
-            start_new_session=True,  # Ctrl-C in the terminal must not take the picture away
-        )
+        self._worker = self._start_worker()
 
     def configure(self) -> Mapping[str, float | str]:
         """Open the camera with the settings of RIG.toml; exposure, white balance and focus become manual.
+
+        A worker that ended, or was ended because the camera hung, is started anew.
 
         Raises
         ------
         CameraError
             There is none, it is taken, or it does not do what RIG.toml asks.
         """
+        if self._worker.poll() is not None:
+            self.close()
+            self._worker, self._pending = self._start_worker(), b""
         try:
             answer, _ = self._ask({"do": "open", "config": self._config.model_dump()}, START_S)
         except CameraError as error:
@@ -52,16 +51,18 @@ class V4l2Camera:
         settings: Mapping[str, float | str] = answer["settings"]
         return settings
 
-    def capture(self, not_before_s: float) -> Shot:
-        """Take a picture that was exposed after an instant.
+    def capture(self, not_before_s: float, exposure_ev: float = 0.0) -> Shot:
+        """Take a picture that was exposed after an instant, so many stops longer than RIG.toml says.
 
         Raises
         ------
         CameraError
             The camera hangs (its worker is ended then), was unplugged, or delivers no picture.
         """
-        timeout_s = self._config.exposure_ms / 1000 + self._config.timeout_s
-        answer, content = self._ask({"do": "capture", "not_before_s": not_before_s}, timeout_s)
+        exposure_ms = self._config.exposure_ms * 2**exposure_ev
+        timeout_s = exposure_ms / 1000 + self._config.timeout_s
+        command = {"do": "capture", "not_before_s": not_before_s, "exposure_ms": exposure_ms}
+        answer, content = self._ask(command, timeout_s)
         return Shot(
             content,
             ENDINGS[self._config.pixel_format],
@@ -77,6 +78,16 @@ class V4l2Camera:
         for stream in (self._worker.stdin, self._worker.stdout):
             if stream is not None:
                 stream.close()
+
+    def _start_worker(self) -> "subprocess.Popen[bytes]":
+        return subprocess.Popen(
+            [sys.executable, "-m", "rig.camera.worker"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            env=self._environment,
+            start_new_session=True,  # Ctrl-C in the terminal must not take the picture away
+        )
 
     def _ask(self, command: Mapping[str, Any], timeout_s: float) -> tuple[dict[str, Any], bytes]:
         assert self._worker.stdin is not None  # noqa: S101  # opened as a pipe above
@@ -105,7 +116,7 @@ class V4l2Camera:
         ready, _, _ = select.select([descriptor], [], [], max(0.0, deadline_s - self._clock.now_s()))
         if not ready:
             self._worker.kill()
-            raise CameraError(
+            raise CameraHangsError(
                 f"camera {self._config.device}: no picture within {self._config.timeout_s:g} s; it hangs, unplug it "
                 "and plug it in again"
             )

@@ -8,6 +8,7 @@ import ctypes
 import json
 import signal
 import sys
+import time
 from collections.abc import Mapping
 from typing import Any, BinaryIO
 
@@ -43,6 +44,7 @@ class OpenedCamera:
 
     def __init__(self, config: Mapping[str, Any]) -> None:
         self._config = config
+        self._exposure_ms: float = config["exposure_ms"]
         self._keeps_jpeg = config["pixel_format"] == "MJPG"
         fourcc = cv2.VideoWriter.fourcc(*config["pixel_format"])
         self._capture = cv2.VideoCapture(config["device"], cv2.CAP_V4L2, [cv2.CAP_PROP_FOURCC, fourcc])
@@ -76,9 +78,11 @@ class OpenedCamera:
                 raise WorkerError(f"has {key} = {found}, not {wanted} as RIG.toml asks; choose a value that it knows")
         return settings
 
-    def capture(self, not_before_s: float) -> tuple[Answer, bytes]:
-        """Throw away stale frames until one was exposed after the given instant; return it."""
-        exposure_s = self._config["exposure_ms"] / 1000
+    def capture(self, not_before_s: float, exposure_ms: float) -> tuple[Answer, bytes]:
+        """Throw away stale frames until one was exposed after the given instant, for that long; return it."""
+        if exposure_ms != self._exposure_ms:
+            not_before_s = max(not_before_s, self._expose_for(exposure_ms))
+        exposure_s = exposure_ms / 1000
         for _ in range(_MOST_STALE_FRAMES):
             if not self._capture.grab():
                 raise WorkerError("delivers no picture any more; check the cable, then start again")
@@ -94,6 +98,16 @@ class OpenedCamera:
         content = self._encode(np.asarray(picture))
         times = {"exposed_from_s": stamp_s - exposure_s, "exposed_to_s": stamp_s + exposure_s}
         return {**times, "settings": self._settings()}, content
+
+    def _expose_for(self, exposure_ms: float) -> float:
+        """Change the exposure time, and return from when on it holds: what is under way ends as it began."""
+        longer_ms = max(exposure_ms, self._exposure_ms)
+        self._set(cv2.CAP_PROP_EXPOSURE, round(exposure_ms / _EXPOSURE_UNIT_MS))
+        found_ms = self._settings()["exposure_ms"]
+        if not _agree(exposure_ms, found_ms, _ALLOWED_OFF["exposure_ms"]):
+            raise WorkerError(f"exposes for {found_ms:g} ms, not {exposure_ms:g} as asked; choose a smaller bracket")
+        self._exposure_ms = exposure_ms
+        return time.monotonic() + longer_ms / 1000
 
     def release(self) -> None:
         """Give the device back."""
@@ -150,7 +164,7 @@ def serve(commands: BinaryIO, answers: BinaryIO) -> None:
             elif camera is None:
                 raise WorkerError("not open")  # noqa: TRY301  # told like the others
             else:
-                answer, content = camera.capture(command["not_before_s"])
+                answer, content = camera.capture(command["not_before_s"], command["exposure_ms"])
         except WorkerError as error:
             answer = {"error": str(error)}
         except cv2.error as error:

@@ -2,6 +2,7 @@
 
 import math
 from collections import deque
+from dataclasses import replace
 
 from rig.clock import Clock
 from rig.config import TurntableConfig
@@ -37,6 +38,7 @@ class DynamixelTurntable:
         self._ready = False
         self._has_watchdog = True
         self._goal: int | None = None
+        self._settle_s = 0.0
         self._marks: dict[Register, int] = {}
 
     def home(self) -> None:
@@ -111,7 +113,7 @@ class DynamixelTurntable:
             raise type(error)(f"{error}. As long as it has power, it stops by itself and keeps its position") from error
         pose = self.locate()
         self._arrived = True
-        return pose
+        return replace(pose, settle_s=self._settle_s)
 
     def locate(self) -> TurntablePose:
         """Read the angle now; once homed, raise if the servo has a fault, or is not as it was left."""
@@ -175,14 +177,18 @@ class DynamixelTurntable:
         patience_s = STUCK_S + self._time_s(STILL_TICKS)
         went_s = looked_s = now_s
         reads: deque[int] = deque(maxlen=SETTLED_READS)
+        moved_s = now_s
         while True:
             motion, now_s = self._link.read_block(registers.MOTION), self._clock.now_s()
             here = motion[registers.PRESENT_POSITION]
             if abs(here - last) >= STILL_TICKS:
                 last, went_s = here, now_s
+            if motion[registers.MOVING]:
+                moved_s = now_s
             if self._is_near(here, goal) and not motion[registers.MOVING]:
                 reads.append(here)
                 if len(reads) == SETTLED_READS and max(reads) - min(reads) <= STILL_TICKS:
+                    self._settle_s = now_s - moved_s
                     return True
             else:
                 reads.clear()

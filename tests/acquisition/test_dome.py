@@ -4,17 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from acquisition.dome_plan import DomePlan
-from acquisition.plans import PtmPlan
+from acquisition.plans import ptm_plan
 from acquisition.runner import check_plan, run
 from litrig.base.capture_folder import layout
 from litrig.base.capture_folder.journal import read_journal
 from litrig.base.capture_folder.writer import CaptureFolderWriter
 from litrig.base.directions import direction_from_angles
-from litrig.base.errors import InputError
 from rig.config import AlwaysOnConfig, RigConfig
 from rig.errors import OutOfRangeError, RigError
 from rig.fakes import FakeCamera, FakeClock, FakeLights
@@ -32,48 +28,21 @@ def rig_of(angles: tuple[tuple[float, float], ...]) -> tuple[Rig, FakeLights]:
     return Rig(config, clock=clock, lights=lights, camera=FakeCamera(picture, clock)), lights
 
 
-@given(st.integers(6, 40), st.data())
-def test_lamps_are_chosen_once_each_and_in_order(count: int, data: st.DataObject) -> None:
-    angles = tuple((i * 137.5 % 360, 10 + 70 * i / count) for i in range(count))
-    wanted = data.draw(st.integers(6, count))
-    plan = DomePlan(wanted, angles)
-    aims = [step.aim for step in plan if step.aim is not None]
-    assert len(plan) == wanted == len(aims)
-    lamps = [aim.lamp for aim in aims]
-    assert lamps == sorted(set(lamps))
-    assert [(aim.azimuth_deg, aim.elevation_deg) for aim in aims] == [angles[lamp] for lamp in lamps]
-    assert list(plan) == list(plan)
-
-
-def test_a_part_of_the_lamps_is_spread_over_the_whole_dome() -> None:
-    angles = tuple((i * 137.508 % 360, float(np.degrees(np.arcsin(0.2 + 0.75 * i / 200)))) for i in range(200))
-    chosen = [angles[step.aim.lamp] for step in DomePlan(20, angles) if step.aim is not None]
-    directions = np.array([direction_from_angles(*one) for one in chosen])
-    apart_deg = np.degrees(np.arccos(np.clip(np.sort(directions @ directions.T, axis=1)[:, -2], -1, 1)))
-    assert apart_deg.min() > 20
-
-
-@pytest.mark.parametrize("lights", [5, 13])
-def test_more_lamps_than_there_are_and_too_few_are_refused(lights: int) -> None:
-    with pytest.raises(InputError, match=r"outside 6\.\.12; the rig's dome has 12 lamps"):
-        DomePlan(lights, ANGLES)
-
-
 def test_every_lamp_lights_its_frame_and_gives_it_its_direction(tmp_path: Path) -> None:
     rig, lights = rig_of(ANGLES)
     lit: list[int | None] = []
 
     def watch() -> bytes:
         lit.append(lights.lamp)
-        return picture()
+        return picture(0 if lights.lamp is None else 90)
 
     assert isinstance(rig.camera, FakeCamera)
     rig.camera.paint = watch
-    plan = DomePlan(12, ANGLES)
+    plan = ptm_plan(12, rig.config)
     with CaptureFolderWriter.create(tmp_path / "s", "coin", {}, []) as writer, rig:
         check_plan(plan, rig)
         list(run(plan, rig, writer, lambda: False))
-    assert lit == list(range(12))
+    assert lit == [None, *range(12)], "the room is looked at in the dark first"
     assert lights.lamp is None
     frames = [entry for entry in read_journal(tmp_path / "s" / layout.JOURNAL) if entry["ev"] == "frame"]
     expected = [direction_from_angles(*angles) for angles in ANGLES]
@@ -85,7 +54,7 @@ def test_a_plan_for_another_dome_is_refused_before_anything_is_lit() -> None:
     rig, lights = rig_of(ANGLES)
     turned = tuple((azimuth_deg + 1, elevation_deg) for azimuth_deg, elevation_deg in ANGLES)
     with pytest.raises(OutOfRangeError, match="lamp 0 hangs at azimuth 0°, elevation 20°, not at 1°, 20°"):
-        check_plan(DomePlan(12, turned), rig)
+        check_plan(ptm_plan(12, rig_of(turned)[0].config), rig)
     assert lights.lamp is None
 
 
@@ -93,7 +62,7 @@ def test_lamps_without_arm_or_directions_cannot_shoot_a_ptm() -> None:
     config = RigConfig(lights=AlwaysOnConfig(kind="always-on"))
     rig = Rig(config, clock=FakeClock(), lights=FakeLights(), camera=FakeCamera(picture))
     with pytest.raises(RigError, match=r"no arm, and its lamps have no directions; add \[arm\]"):
-        check_plan(PtmPlan(6), rig)
+        check_plan(ptm_plan(6), rig)
 
 
 @pytest.mark.parametrize(("azimuth_deg", "elevation_deg"), ANGLES)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from acquisition.plans import AmcPlan
+from acquisition.plans import amc_plan
 from acquisition.runner import run
 from litrig.base.capture_folder import layout
 from litrig.base.capture_folder.journal import read_journal
@@ -50,7 +50,7 @@ def test_what_befalls_the_servo_during_an_exposure_costs_that_frame_alone(
         CaptureFolderWriter.create(tmp_path / "s", "coin", {}, []) as writer,
         rig,
     ):
-        list(run(AmcPlan(8), rig, writer, lambda: False))
+        list(run(amc_plan(8), rig, writer, lambda: False))
     entries = read_journal(tmp_path / "s" / layout.JOURNAL)
     assert [entry["step"] for entry in entries if entry["ev"] == "frame"] == [0, 1]
     assert rig.position_known is known

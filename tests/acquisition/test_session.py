@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 import simplejpeg
 
-from acquisition.plans import AmcPlan, Plan, PtmPlan
-from acquisition.runner import FrameTaken, Paused, RunEvent, check_plan, run
+from acquisition.events import FrameTaken, Paused, RunEvent
+from acquisition.plans import Plan, amc_plan, ptm_plan
+from acquisition.runner import check_plan, run
 from litrig.base.capture_folder import layout
 from litrig.base.capture_folder.journal import Journal, read_journal
 from litrig.base.capture_folder.writer import CaptureFolderWriter
@@ -64,7 +65,7 @@ def bench(tmp_path: Path) -> Bench:
 
 
 def test_every_slice_is_shot_and_the_rig_parks(bench: Bench) -> None:
-    events = bench.shoot(AmcPlan(8))
+    events = bench.shoot(amc_plan(8))
     assert [event.step.step for event in events if isinstance(event, FrameTaken)] == list(range(8))
     frames = bench.journal("frame")
     assert [frame["pose_after"] for frame in frames] == [{"angle_deg": 45.0 * s} for s in range(8)]
@@ -81,7 +82,7 @@ def test_lights_are_lit_for_every_frame_and_dark_at_the_end(bench: Bench) -> Non
         return picture()
 
     bench.paint = watch
-    bench.shoot(PtmPlan(6))
+    bench.shoot(ptm_plan(6))
     assert lit == [0] * 6
     assert bench.lights.lamp is None
     light = bench.journal("frame")[0]["light"]
@@ -103,7 +104,7 @@ def test_a_bad_frame_is_shot_again_and_never_acknowledged(
 ) -> None:
     shots = itertools.count()
     bench.paint = lambda: spoil(picture()) if next(shots) == 2 else picture()
-    bench.shoot(AmcPlan(8))
+    bench.shoot(amc_plan(8))
     assert [frame["try"] for frame in bench.journal("frame")] == [1, 1, 2, 1, 1, 1, 1, 1]
     assert reason in str(bench.journal("retry")[0]["reason"])
 
@@ -112,7 +113,7 @@ def test_a_frozen_camera_stops_the_session_with_the_frames_so_far(bench: Bench) 
     frozen = picture()
     bench.paint = lambda: frozen
     with pytest.raises(HoldError, match=r"step 1: after 3 tries .* the camera is frozen"):
-        bench.shoot(AmcPlan(8))
+        bench.shoot(amc_plan(8))
     assert len(bench.journal("frame")) == 1
     assert len(bench.journal("hold")) == 1
     assert bench.rig.state is RigState.HOLD
@@ -122,7 +123,7 @@ def test_a_frozen_camera_stops_the_session_with_the_frames_so_far(bench: Bench) 
 def test_a_table_that_is_off_its_pose_yields_no_frame(bench: Bench) -> None:
     bench.turntable.error_deg = 1.0
     with pytest.raises(HoldError, match=r"1\.00° off its pose"):
-        bench.shoot(AmcPlan(8))
+        bench.shoot(amc_plan(8))
     assert bench.journal("frame") == []
 
 
@@ -132,7 +133,7 @@ def test_a_silent_device_holds_the_rig(bench: Bench, monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(bench.turntable, "move_to", silent)
     with pytest.raises(HoldError, match=r"no answer.*on hold"):
-        bench.shoot(AmcPlan(8))
+        bench.shoot(amc_plan(8))
     assert bench.turntable.stops > 0
     assert bench.lights.lamp is None
 
@@ -140,13 +141,13 @@ def test_a_silent_device_holds_the_rig(bench: Bench, monkeypatch: pytest.MonkeyP
 def test_a_plan_beyond_the_limits_is_refused_before_anything_moves(bench: Bench) -> None:
     bench.turntable.max_deg = 180
     with pytest.raises(OutOfRangeError, match="nothing moved"):
-        bench.shoot(AmcPlan(8))
+        bench.shoot(amc_plan(8))
     assert not bench.turntable.torque
     assert bench.journal("frame") == []
 
 
 def test_a_pause_comes_after_the_step_and_keeps_the_rig_powered(bench: Bench) -> None:
-    events = bench.shoot(AmcPlan(8), lambda: bench.clock.now_s() > 0.025)
+    events = bench.shoot(amc_plan(8), lambda: bench.clock.now_s() > 0.025)
     assert events[-1] == Paused(3)
     assert len(bench.journal("frame")) == 3
     assert bench.turntable.torque
@@ -163,7 +164,7 @@ def test_a_stop_in_the_middle_holds_and_keeps_what_was_shot(bench: Bench) -> Non
 
     bench.paint = stop_at_third
     with pytest.raises(StopNow):
-        bench.shoot(AmcPlan(8))
+        bench.shoot(amc_plan(8))
     assert len(bench.journal("frame")) == 2
     assert len(bench.journal("stop")) == 1
     assert bench.turntable.stops > 0
@@ -173,17 +174,18 @@ def test_a_stop_in_the_middle_holds_and_keeps_what_was_shot(bench: Bench) -> Non
 def test_a_rig_without_a_camera_says_so_before_it_moves(bench: Bench) -> None:
     rig = Rig(bench.rig.config, clock=bench.clock, turntable=bench.turntable)
     with pytest.raises(RigError, match="no camera"):
-        check_plan(AmcPlan(8), rig)
+        check_plan(amc_plan(8), rig)
 
 
 def test_a_full_disk_holds_the_rig(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(path: Path, content: bytes) -> None:
+    def full(path: Path, content: bytes, **_: object) -> None:
         raise InputError(f"{path}: cannot be written (No space left on device); free space")
 
     with monkeypatch.context() as patch, pytest.raises(HoldError, match="No space left"):
-        patch.setattr("litrig.base.capture_folder.writer.write_atomically", full)
-        with CaptureFolderWriter(bench.folder, Journal(bench.folder.with_suffix(".jsonl")), "x") as writer, bench.rig:
-            list(run(AmcPlan(8), bench.rig, writer, lambda: False))
+        bench.folder.mkdir()
+        with CaptureFolderWriter(bench.folder, Journal(bench.folder / "journal.jsonl"), "x") as writer, bench.rig:
+            patch.setattr("litrig.base.capture_folder.writer.write_atomically", full)
+            list(run(amc_plan(8), bench.rig, writer, lambda: False))
     assert bench.rig.state is RigState.HOLD
 
 

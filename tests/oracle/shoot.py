@@ -17,8 +17,8 @@ from litrig.base.lp import write_lp
 from litrig.base.pictures import write_picture
 from litrig.base.table_normals import TableNormal
 from processing.amc.build import AmcResult, build, build_split
-from processing.amc.outline.circle import Circle
 from processing.amc.settings import Settings
+from processing.outline.circle import Circle
 from tests.oracle.compare import Truth
 
 F64 = NDArray[np.float64]

@@ -16,9 +16,10 @@ from litrig.base.table_normals import TableNormal
 from processing.amc.isotropic import isotropic_matcap
 from processing.amc.low_rank import compress
 from processing.amc.model import Amc, TangentAngle
-from processing.mesh.builtin import builtin_mesh, cloth, torus
+from processing.mesh.builtin import cloth, torus
 from processing.mesh.fields import painted, turned
 from processing.mesh.model import Mesh
+from processing.mesh.sewn import skirt
 from processing.ptm.basis import PTM, Basis
 from processing.reference.display import display_codes, over
 from tests.processing.matcap.maps import analytic
@@ -44,7 +45,7 @@ FOLDER = Path(__file__).parent / "golden"
 SIZE, SUPERSAMPLE = (112, 112), 2
 BACKGROUND = (0.014, 0.015, 0.018)
 VIEW = View(yaw_deg=25, pitch_deg=35)
-TORUS, CLOTH = torus(96, 48), cloth(120)
+TORUS, CLOTH, SEWN = torus(96, 48), cloth(120), skirt(24, 60)
 ONE_LIGHT = PtmShading(shading_lights(((0.5, 0.4),)))
 
 Drawn = Callable[[Renderer], F32]
@@ -100,7 +101,7 @@ def low_rank(renderer: Renderer) -> F32:
 
 def matcap(renderer: Renderer) -> F32:
     with renderer.upload(MatcapMaterial, isotropic_matcap(brushed_amc(32, 30))) as material:
-        return of_look(material.look(), renderer, builtin_mesh("sewn"))
+        return of_look(material.look(), renderer, SEWN)
 
 
 def decomposed(renderer: Renderer) -> F32:
@@ -158,7 +159,7 @@ PICTURES: dict[str, Drawn] = {
     "amc-tangents": tangents,
     "amc-turned": of_amc(brushed_amc(32, 30), turned(TORUS, 90)),
     "amc-painted": of_amc(brushed_amc(32, 30), painted(TORUS, swirl())),
-    "amc-sewn": of_amc(brushed_amc(32, 30), builtin_mesh("sewn")),
+    "amc-sewn": of_amc(brushed_amc(32, 30), SEWN),
     "amc-low-rank": low_rank,
     "amc-split": summed,
     "matcap-sewn": matcap,

@@ -51,7 +51,7 @@ def codes(path: Path) -> NDArray[np.uint8]:
     return np.asarray(cv2.cvtColor(picture, order), np.uint8)
 
 
-@pytest.mark.parametrize("mesh", ["torus", "sphere", "cloth", "ribbon", "pillow", "sewn"])
+@pytest.mark.parametrize("mesh", ["torus", "sphere", "cloth", "ribbon", "pillow", "sewn", "shirt"])
 def test_an_amc_is_drawn_on_every_mesh(files: Path, tmp_path: Path, mesh: str) -> None:
     run(files / "brushed.amc.ktx2", "-o", tmp_path / "x.png", "--mesh", mesh, *SMALL)
     picture = codes(tmp_path / "x.png")
@@ -64,6 +64,19 @@ def test_the_mesh_is_a_torus_if_none_is_named(files: Path, tmp_path: Path) -> No
     run(files / "brushed.amc.ktx2", "-o", tmp_path / "a.png", *SMALL)
     run(files / "brushed.amc.ktx2", "-o", tmp_path / "b.png", "--mesh", "torus", *SMALL)
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+def test_a_mesh_can_be_a_file_and_what_it_lacks_is_said(files: Path, tmp_path: Path) -> None:
+    (tmp_path / "tent.obj").write_text("v -1 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 4 3\nf 4 2 3\n")
+    words = [files / "brushed.amc.ktx2", "-o", tmp_path / "x.png", "--mesh", tmp_path / "tent.obj", *SMALL]
+    ran = CliRunner().invoke(render, [str(word) for word in words], standalone_mode=False, catch_exceptions=False)
+    picture = codes(tmp_path / "x.png")
+    assert np.any(picture != picture[0, 0])
+    assert ran.stdout == f"{tmp_path / 'x.png'}: 60 × 40 pixels\n"
+    assert [line.split("; ")[0] for line in ran.stderr.splitlines()] == [
+        f"{tmp_path / 'tent.obj'}: has no normals",
+        f"{tmp_path / 'tent.obj'}: has no texture coordinates",
+    ]
 
 
 def test_a_file_without_small_levels_gets_them(files: Path, tmp_path: Path) -> None:
@@ -189,7 +202,7 @@ def test_a_ptm_can_be_laid_on_a_mesh(files: Path, tmp_path: Path) -> None:
         pytest.param(["coin.tga", "-o", "x.png"], "unknown ending; give", id="unknown ending"),
         pytest.param(["brushed.amc.ktx2", "-o", "x.gif"], "cannot write .gif", id="unknown picture format"),
         pytest.param(["brushed.amc.ktx2", "-o", "x.png", "--mesh", "teapot"], "use one of torus", id="unknown mesh"),
-        pytest.param(["brushed.amc.ktx2", "-o", "x.png", "--mesh", "a.obj"], "cannot be read yet", id="mesh file"),
+        pytest.param(["brushed.amc.ktx2", "-o", "x.png", "--mesh", "a.obj"], r"a\.obj: no such file", id="mesh file"),
         pytest.param(["coin.ptm", "-o", "x.png", "--mesh", "teapot"], "use one of torus", id="unknown mesh for a PTM"),
         pytest.param(["brushed.amc.ktx2", "-o", "x.png", "--light", "0", "0"], "was lit when", id="a light for an AMC"),
         pytest.param(["coin.ptm", "-o", "x.png", "--light", "0.9", "0.9"], "is no direction", id="a light below"),

@@ -11,10 +11,11 @@ from processing.amc.files.either import write_any
 from processing.amc.files.ktx2 import write_amc
 from processing.amc.isotropic import isotropic_matcap
 from processing.amc.model import Amc
+from processing.mesh.builtin import torus
 from processing.ptm.files.ptm_file import write_ptm
 from processing.ptm.model import Ptm
 from tests.viewer.analytic import brushed_amc
-from tests.viewer.scenes import KEY, lit_and_unlit, split_in_two
+from tests.viewer.scenes import KEY, lit_and_unlit, split_in_two, with_occlusion
 from tests.viewer.test_cli import SMALL, codes, run
 
 KEY_WORDS = [str(part) for part in KEY]
@@ -145,3 +146,11 @@ def test_what_does_not_go_together_is_one_clear_error(
         run(*arguments, "-o", tmp_path / "x.png", *([] if arguments == ["coin.ptm", "--key", "0", "0"] else SMALL))
     assert "\n" not in str(caught.value)
     assert not any(tmp_path.iterdir())
+
+
+def test_ambient_occlusion_of_the_mesh_darkens(files: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("viewer.render_file.mesh_of", lambda _name: (with_occlusion(torus(48, 24)), ()))
+    for name in ("x.amc.ktx2", "x.amc.exr", "x.png"):
+        dark, bright = (draw(files, tmp_path / "x.png", name, *option) for option in (["--occlusion"], []))
+        assert apart(dark, bright) > 20
+        assert np.all(dark <= bright)

@@ -149,7 +149,6 @@ def test_so_is_a_driver_without_room_for_a_material(renderer: Renderer, monkeypa
     "setting",
     [
         pytest.param({"GLCONTEXT_LINUX_LIBGL": "libnowhere.so.9"}, id="no libGL"),
-        pytest.param({"GLCONTEXT_LINUX_LIBEGL": "libnowhere.so.9"}, id="no libEGL"),
         pytest.param({"MESA_GL_VERSION_OVERRIDE": "2.1"}, id="a driver of OpenGL 2.1"),
     ],
 )

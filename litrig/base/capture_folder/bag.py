@@ -2,6 +2,7 @@
 
 import hashlib
 import logging
+import re
 from collections.abc import Collection, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
@@ -11,6 +12,7 @@ import bagit
 from litrig.base.capture_folder import layout
 from litrig.base.errors import LitrigError
 from litrig.base.files import resolve_inside, write_atomically
+from litrig.base.store import DISK, Store
 
 _CHUNK_BYTES = 1 << 20
 
@@ -24,7 +26,7 @@ def sha256_of(path: Path) -> str:
     return digest.hexdigest()
 
 
-def close_bag(folder: Path, known_digests: Mapping[str, str], info: Mapping[str, str]) -> None:
+def close_bag(folder: Path, known_digests: Mapping[str, str], info: Mapping[str, str], store: Store = DISK) -> None:
     """Write the tag files that make the folder a complete bag; the tag manifest comes last and completes it.
 
     Parameters
@@ -44,37 +46,60 @@ def close_bag(folder: Path, known_digests: Mapping[str, str], info: Mapping[str,
         "Bagging-Date": datetime.now(UTC).date().isoformat(),
         "Payload-Oxum": f"{size}.{len(payload)}",
     }
-    write_atomically(folder / layout.MANIFEST, _manifest(digests))
-    write_atomically(folder / layout.BAG_INFO, "".join(f"{key}: {lines[key]}\n" for key in sorted(lines)).encode())
-    tags = (layout.BAGIT, layout.BAG_INFO, layout.MANIFEST)
-    write_atomically(folder / layout.TAG_MANIFEST, _manifest({name: sha256_of(folder / name) for name in tags}))
+    about = "".join(f"{key}: {lines[key]}\n" for key in sorted(lines))
+    write_atomically(folder / layout.MANIFEST, _manifest(digests), store=store)
+    write_atomically(folder / layout.BAG_INFO, about.encode(), store=store)
+    tags = {name: sha256_of(folder / name) for name in (layout.BAGIT, layout.BAG_INFO, layout.MANIFEST)}
+    write_atomically(folder / layout.TAG_MANIFEST, _manifest(tags), store=store)
 
 
 def bag_findings(folder: Path, known: Collection[str] = ()) -> list[str]:
-    """Check a closed bag with the Library of Congress's reader; name every missing, foreign and changed file.
+    """Check a closed bag; name every missing, foreign and changed file, all at once.
+
+    What is found to be in order here is read once more by the Library of Congress's reader, whose word counts.
 
     Parameters
     ----------
     known : names below the folder of files that are known to be missing or changed: not named again
     """
-    logging.getLogger("bagit").setLevel(logging.CRITICAL)  # it logs what we return
-    try:
-        bag = bagit.Bag(str(folder))
-        missing, foreign = bag.compare_manifests_with_fs()
-        findings = [f"{name}: in the manifest, not on the disk" for name in sorted(set(missing) - set(known))]
-        findings += [f"{name}: on the disk, not in the manifest" for name in sorted(foreign)]
-        findings += [
-            f"{name}: changed since the bag was closed"
-            for name, digests in sorted(bag.payload_entries().items())
-            if name not in missing
-            and name not in known
-            and sha256_of(resolve_inside(folder, name)) != digests["sha256"]
-        ]
-        if not findings and not known:
-            bag.validate()
-    except (bagit.BagError, LitrigError, OSError, ValueError, KeyError) as error:
-        return [str(error)]
+    findings: list[str] = []
+    tags = _entries(folder / layout.TAG_MANIFEST, findings)
+    payload = _entries(folder / layout.MANIFEST, findings)
+    named = {**payload, **tags}
+    looked_at = sorted(set(named) - set(known))
+    findings += [f"{name}: {finding}" for name in looked_at if (finding := _finding(folder, name, named[name]))]
+    there = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if not path.is_dir()}
+    strangers = there - set(named) - {layout.TAG_MANIFEST} - set(known)
+    findings += [f"{name}: on the disk, not in the manifest" for name in sorted(strangers)]
+    if not findings and not known:
+        logging.getLogger("bagit").setLevel(logging.CRITICAL)  # it logs what we return
+        try:
+            bagit.Bag(str(folder)).validate()
+        except (bagit.BagError, OSError, ValueError, KeyError) as error:
+            findings.append(str(error))
     return findings
+
+
+def _entries(manifest: Path, findings: list[str]) -> dict[str, str]:
+    """Read the digests of a manifest by file; a line that is none is a finding."""
+    digests = {}
+    for number, line in enumerate(manifest.read_bytes().splitlines(), 1):
+        digest, _, name = line.decode("utf-8", "replace").partition("  ")
+        if re.fullmatch("[0-9a-f]{64}", digest) and name:
+            digests[_unescape(name)] = digest
+        else:
+            findings.append(f"{manifest.name}, line {number}: is no line of a manifest; restore the file from a copy")
+    return digests
+
+
+def _finding(folder: Path, name: str, digest: str) -> str:
+    try:
+        path = resolve_inside(folder, name)
+        if not path.is_file():
+            return "in the manifest, not on the disk"
+        return "" if sha256_of(path) == digest else "changed since the bag was closed"
+    except (LitrigError, OSError, ValueError) as error:
+        return str(error)
 
 
 def _manifest(digests: Mapping[str, str]) -> bytes:
@@ -83,3 +108,7 @@ def _manifest(digests: Mapping[str, str]) -> bytes:
 
 def _escape(name: str) -> str:
     return name.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def _unescape(name: str) -> str:
+    return name.replace("%0D", "\r").replace("%0A", "\n").replace("%25", "%")

@@ -21,17 +21,32 @@ class Role(StrEnum):
 
 
 @dataclass(frozen=True)
-class CapturedFrame:
-    """One good picture of a session.
+class Exposure:
+    """One of the files that make a picture.
 
     Attributes
     ----------
-    path : the picture file
+    path : the file
+    exposure_ev : stops above the exposure that the picture is meant to have
+    """
+
+    path: Path
+    exposure_ev: float = 0.0
+
+
+@dataclass(frozen=True)
+class CapturedFrame:
+    """One good picture of a session: a file, or several exposures at one pose that are meant to become one.
+
+    Attributes
+    ----------
+    path : the picture file; of several, the first of the usual exposure
     role : what it is for
     angle_deg : turntable angle read back, counter-clockwise as the camera sees it; None where there was no turntable
     light : (3,) float64, unit, view frame, sample to light; None where the light was not the rig's to move
     light_position_mm : (3,) where the light stood, as `Lights` has it; None where it is not known
     light_gain : (3,) by what linear R, G, B are to be multiplied, to make unequal lamps equal; None where they are
+    exposures : all files of a bracket or an average; empty where the picture is the one file
     """
 
     path: Path
@@ -40,6 +55,7 @@ class CapturedFrame:
     light: NDArray[np.float64] | None = None
     light_position_mm: NDArray[np.float64] | None = None
     light_gain: NDArray[np.float64] | None = None
+    exposures: tuple[Exposure, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -24,8 +24,19 @@ class _FrameLine(BaseModel):
     file: str
     sha256: str
     role: Role = Role.FRAME
+    pose_goal: _Pose | None = None
     pose_after: _Pose | None = None
+    exposure_ev: Finite = 0.0
     light: tuple[Finite, Finite, Finite] | None = None
+
+
+class _RecallLine(BaseModel):
+    """Frames that were good and count no longer."""
+
+    steps: list[int]
+
+
+_MODELS: dict[str, type[BaseModel]] = {"frame": _FrameLine, "recall": _RecallLine}
 
 
 def check_frame_lines(entries: Iterable[Entry], journal: Path) -> None:
@@ -39,13 +50,13 @@ def check_frame_lines(entries: Iterable[Entry], journal: Path) -> None:
     for number, entry in enumerate(entries, 1):
         if not isinstance(entry.get("ev"), str):
             raise FormatError(f"{journal}, line {number}: names no event (ev); restore the folder from a copy")
-        if entry["ev"] == "frame":
-            _check(entry, f"{journal}, line {number}")
+        if model := _MODELS.get(entry["ev"]):
+            _check(model, entry, f"{journal}, line {number}")
 
 
-def _check(entry: Entry, place: str) -> None:
+def _check(model: type[BaseModel], entry: Entry, place: str) -> None:
     try:
-        _FrameLine.model_validate(entry)
+        model.model_validate(entry)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         key = ".".join(str(part) for part in first["loc"])

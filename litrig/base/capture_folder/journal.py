@@ -4,18 +4,18 @@ Every line carries its own CRC-32, so that a torn tail is recognised for what it
 what is not may have happened but does not count.
 """
 
-import errno
 import json
-import os
+import threading
 import time
 import zlib
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from litrig.base.errors import FormatError, InputError
-from litrig.base.files import sync_folder
+from litrig.base.store import DISK, Store
 
 VERSION = 1
 Entry = dict[str, Any]
@@ -26,26 +26,45 @@ def _wall_clock() -> str:
 
 
 class Journal:
-    """Appends entries; each is on the disk when `append` returns."""
+    """Appends entries, from any thread; each is on the disk when `append` returns."""
 
     def __init__(
         self,
         path: Path,
         *,
+        store: Store = DISK,
         wall_clock: Callable[[], str] = _wall_clock,
         monotonic_ns: Callable[[], int] = time.monotonic_ns,
     ) -> None:
-        self._seq = 0
-        self._wall_clock = wall_clock
-        self._monotonic_ns = monotonic_ns
-        created = not path.exists()
-        self._path = path
-        self._file = path.open("ab", buffering=0)
-        if created:
-            sync_folder(path.parent)
+        """Go on behind the last whole line of a journal, or begin one; a torn tail is cut off with the first entry.
+
+        Raises
+        ------
+        FormatError
+            The journal is damaged in the middle.
+        """
+        self._path, self._store = path, store
+        self._wall_clock, self._monotonic_ns = wall_clock, monotonic_ns
+        self._one_at_a_time = threading.Lock()
+        self._is_new = not path.exists()
+        self._size = self._seq = self.torn_bytes = 0
+        if not self._is_new:
+            entries, self._size = read_whole_lines(path)
+            self._seq = len(entries)
+            self.torn_bytes = path.stat().st_size - self._size
 
     def append(self, event: str, **fields: Any) -> Entry:
-        """Write one entry and wait until it is durable."""
+        """Write one entry and wait until it is durable.
+
+        Raises
+        ------
+        InputError
+            The disk is full or gone; the journal is as it was.
+        """
+        with self._one_at_a_time:
+            return self._append(event, fields)
+
+    def _append(self, event: str, fields: Mapping[str, Any]) -> Entry:
         entry = {
             "v": VERSION,
             "seq": self._seq,
@@ -54,28 +73,26 @@ class Journal:
             "ev": event,
             **fields,
         }
+        line = encode_entry(entry)
         try:
-            # Unbuffered: what a full disk refuses must not go out later, behind a line that says otherwise.
-            self._write_whole(encode_entry(entry))
-            os.fsync(self._file.fileno())
+            self._write(line)
         except OSError as error:
+            with suppress(OSError):
+                self._store.cut(self._path, self._size)  # half a line would hide the lines behind it
             raise InputError(f"{self._path}: cannot be written ({error.strerror}); free space on that disk") from error
+        self._size += len(line)
         self._seq += 1
         return entry
 
-    def _write_whole(self, line: bytes) -> None:
-        start = os.fstat(self._file.fileno()).st_size
-        try:
-            written = self._file.write(line)
-            if written != len(line):
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))  # noqa: TRY301  # as a full disk says it
-        except OSError:
-            os.ftruncate(self._file.fileno(), start)  # half a line would hide the lines behind it
-            raise
-
-    def close(self) -> None:
-        """Close the file; every entry is already durable."""
-        self._file.close()
+    def _write(self, line: bytes) -> None:
+        if self.torn_bytes:
+            self._store.cut(self._path, self._size)
+            self.torn_bytes = 0
+        self._store.append(self._path, line)
+        self._store.sync(self._path)
+        if self._is_new:
+            self._store.sync_folder(self._path.parent)
+            self._is_new = False
 
 
 def encode_entry(entry: Mapping[str, Any]) -> bytes:
@@ -103,6 +120,11 @@ def read_journal(path: Path) -> list[Entry]:
     InputError, FormatError
         There is no journal; or a damaged line is followed by whole ones, which no interrupted write explains.
     """
+    return read_whole_lines(path)[0]
+
+
+def read_whole_lines(path: Path) -> tuple[list[Entry], int]:
+    """Read a journal as `read_journal` does, and tell how many bytes its whole lines take."""
     try:
         lines = path.read_bytes().splitlines(keepends=True)
     except OSError as error:
@@ -111,4 +133,4 @@ def read_journal(path: Path) -> list[Entry]:
     whole = entries.index(None) if None in entries else len(entries)
     if any(entry is not None for entry in entries[whole:]):
         raise FormatError(f"{path}, line {whole + 1}: damaged in the middle; restore the folder from a copy")
-    return [entry for entry in entries[:whole] if entry is not None]
+    return [entry for entry in entries[:whole] if entry is not None], sum(map(len, lines[:whole]))

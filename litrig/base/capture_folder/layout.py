@@ -6,6 +6,7 @@ JOURNAL = "data/journal.jsonl"
 SESSION = "data/session.toml"
 PLAN = "data/plan.jsonl"
 CRATE = "data/ro-crate-metadata.json"
+NOTES = "data/notes.md"
 FRAMES = "data/frames"
 THUMBS = "data/thumbs"
 

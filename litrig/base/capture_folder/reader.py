@@ -7,16 +7,18 @@ paired by file name. What such a list does not name is left alone; what it names
 import csv
 import hashlib
 import io
+import json
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from litrig.base.capture_folder import layout
 from litrig.base.capture_folder.bag import sha256_of
-from litrig.base.capture_folder.capture import Capture, CapturedFrame, Role
+from litrig.base.capture_folder.capture import Capture, CapturedFrame, Exposure, Role
 from litrig.base.capture_folder.frame_line import check_frame_lines
 from litrig.base.capture_folder.journal import Entry, read_journal
 from litrig.base.capture_folder.pairing import find_pictures, in_order, listed
@@ -52,11 +54,14 @@ def read_capture(folder: Path, but_not: Path | None = None) -> Capture:
 
 
 def good_frames(entries: Iterable[Entry]) -> list[Entry]:
-    """Pick from a journal the frame that counts for each step: the last good one."""
+    """Pick from a journal the frame that counts for each step: the last good one that was not called back since."""
     latest: dict[Any, Entry] = {}
     for entry in entries:
         if entry.get("ev") == "frame" and entry.get("verdict") == "good":
             latest[entry["step"]] = entry
+        elif entry.get("ev") == "recall":
+            for step in entry["steps"]:
+                latest.pop(step, None)
     return [latest[step] for step in sorted(latest)]
 
 
@@ -85,9 +90,10 @@ def pair_lights(capture: Capture, lights: Lights, source: Path) -> Capture:
             f"{source}: has {len(lights)} lights without names, and {capture.folder} {len(frames)} pictures; name them"
         )
     paired = tuple(_lit(frames[name], lights, index) for index, name in enumerate(names))
+    others = tuple(frame for frame in capture.frames if frame.role is not Role.FRAME)
     return replace(
         capture,
-        frames=paired,
+        frames=paired + others,
         picture_width_mm=lights.picture_width_mm,
         lights_from=source,
         remarks=(*capture.remarks, *remarks),
@@ -101,6 +107,25 @@ def _lit(frame: CapturedFrame, lights: Lights, index: int) -> CapturedFrame:
         light_position_mm=None if lights.positions_mm is None else lights.positions_mm[index],
         light_gain=None if lights.gains is None else lights.gains[index],
     )
+
+
+def with_references(capture: Capture, white: Path | None, dark: Path | None) -> Capture:
+    """Add a picture of a white card, and one in the dark, to the frames of a plain folder.
+
+    Raises
+    ------
+    InputError
+        The session has such frames already.
+    """
+    frames = capture.frames
+    for role, path in ((Role.WHITE, white), (Role.DARK, dark)):
+        if path is None:
+            continue
+        if any(frame.role is role for frame in frames):
+            raise InputError(f"{capture.folder}: has frames of role {role} already; leave --{role} out")
+        named = path.absolute()
+        frames = (*(frame for frame in frames if frame.path.absolute() != named), CapturedFrame(path, role))
+    return replace(capture, frames=frames)
 
 
 def turn_evenly(capture: Capture) -> Capture:
@@ -142,27 +167,59 @@ def _read_session(folder: Path) -> Capture:
     return Capture(
         folder=folder,
         object_id=settings.session.object or folder.name,
-        frames=tuple(_session_frame(folder, entry) for entry in entries),
+        frames=tuple(_session_frame(folder, alike) for alike in _by_pose(entries)),
         tangent_zero_deg=settings.session.tangent_zero_deg,
         sphere_distance_radii=settings.rig.sample.sphere_distance_radii,
         digest=_digest((Path(entry["file"]).name, entry["sha256"]) for entry in entries),
     )
 
 
-def _session_frame(folder: Path, entry: Entry) -> CapturedFrame:
+def _by_pose(entries: Iterable[Entry]) -> list[list[Entry]]:
+    """Put together what was shot at one pose for one purpose: brackets, averages, and turns after the first."""
+    poses: dict[str, list[Entry]] = {}
+    for entry in entries:
+        goal = dict(entry.get("pose_goal") or {"step": entry["step"]})
+        if "angle_deg" in goal:
+            goal["angle_deg"] = round(goal["angle_deg"] % 360, 6)
+        poses.setdefault(json.dumps([entry.get("role"), goal], sort_keys=True), []).append(entry)
+    return list(poses.values())
+
+
+def _session_frame(folder: Path, alike: list[Entry]) -> CapturedFrame:
+    exposures = tuple(Exposure(_checked(folder, entry), entry.get("exposure_ev", 0.0)) for entry in alike)
+    usual = min(range(len(alike)), key=lambda place: abs(exposures[place].exposure_ev))
+    lights = [np.array(entry["light"], np.float64) for entry in alike if entry.get("light") is not None]
+    poses = [entry.get("pose_after") or {} for entry in alike]
+    angles_deg = [pose["angle_deg"] for pose in poses if pose.get("angle_deg") is not None]
+    return CapturedFrame(
+        path=exposures[usual].path,
+        role=Role(alike[usual].get("role", "frame")),
+        angle_deg=_middle_deg(angles_deg) if angles_deg else None,
+        light=_middle(lights) if lights else None,
+        exposures=exposures if len(exposures) > 1 else (),
+    )
+
+
+def _checked(folder: Path, entry: Entry) -> Path:
     path = resolve_inside(folder, entry["file"])
     if not path.is_file():
         raise InputError(f"{path}: is in the journal and not on the disk; restore it from a copy")
     if sha256_of(path) != entry["sha256"]:
         raise FormatError(f"{path}: changed since it was captured (its sha256 differs); restore it from a copy")
-    light = entry.get("light")
-    pose = entry.get("pose_after") or {}
-    return CapturedFrame(
-        path=path,
-        role=Role(entry.get("role", "frame")),
-        angle_deg=pose.get("angle_deg"),
-        light=None if light is None else np.array(light, np.float64),
-    )
+    return path
+
+
+def _middle_deg(angles_deg: list[float]) -> float:
+    """Return the mean of angles that lie close together, perhaps some turns apart; the turn is that of the first."""
+    first = angles_deg[0]
+    return first + float(np.mean([(angle - first + 180) % 360 - 180 for angle in angles_deg]))
+
+
+def _middle(lights: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+    if len(lights) == 1:
+        return lights[0]
+    total = np.sum(lights, axis=0)
+    return np.asarray(total / np.linalg.norm(total), np.float64)
 
 
 def _read_plain(folder: Path, but_not: Path | None) -> Capture:

@@ -49,12 +49,17 @@ def read_session_file(folder: Path, entries: Iterable[Entry]) -> SessionFile:
     """
     path = folder / layout.SESSION
     content = read_limited(path, LARGEST_TOML_BYTES)
-    if not is_as_begun(content, entries):
+    digest = vouched_for(entries).get(layout.SESSION)
+    if digest is not None and hashlib.sha256(content).hexdigest() != digest:
         raise FormatError(f"{path}: changed since the session began (its sha256 differs); restore it from a copy")
     return parse_toml_bytes(content, SessionFile, str(path))
 
 
-def is_as_begun(content: bytes, entries: Iterable[Entry]) -> bool:
-    """Tell whether settings are those whose digest the journal has from the session's first moment."""
-    digest = hashlib.sha256(content).hexdigest()
-    return all(entry.get("session_sha256", digest) == digest for entry in entries if entry.get("ev") == "session")
+def vouched_for(entries: Iterable[Entry]) -> dict[str, str]:
+    """Return the sha256 of settings and plan, by their files, as the journal has them since they were written."""
+    digests: dict[str, str] = {}
+    for entry in entries:
+        for key, file in (("session_sha256", entry.get("session", layout.SESSION)), ("plan_sha256", layout.PLAN)):
+            if entry.get("ev") in ("session", "segment") and isinstance(entry.get(key), str):
+                digests[str(file)] = entry[key]
+    return digests

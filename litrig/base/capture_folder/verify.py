@@ -7,7 +7,7 @@ from litrig.base.capture_folder import layout
 from litrig.base.capture_folder.bag import bag_findings, sha256_of
 from litrig.base.capture_folder.frame_line import check_frame_lines
 from litrig.base.capture_folder.journal import Entry, read_journal
-from litrig.base.capture_folder.session_file import is_as_begun
+from litrig.base.capture_folder.session_file import vouched_for
 from litrig.base.errors import InputError, LitrigError
 from litrig.base.files import resolve_inside
 
@@ -36,16 +36,21 @@ def verify_capture(folder: Path) -> Verification:
     Raises
     ------
     InputError, FormatError
-        It is not a capture folder, or its journal is damaged beyond a torn last line.
+        It is not a capture folder, or its journal's lines are whole and do not say what they must.
     """
     if not layout.is_capture_folder(folder):
         raise InputError(f"{folder}: not a capture folder (no {layout.JOURNAL}); name the folder given to capture -o")
-    journal = read_journal(folder / layout.JOURNAL)
+    wrong: dict[str, str] = {}
+    try:
+        journal = read_journal(folder / layout.JOURNAL)
+    except LitrigError as error:
+        journal, wrong[layout.JOURNAL] = [], str(error)
     check_frame_lines(journal, folder / layout.JOURNAL)
     entries = [entry for entry in journal if entry["ev"] == "frame"]
-    wrong = {entry["file"]: finding for entry in entries if (finding := _frame_finding(folder, entry))}
-    if finding := _session_finding(folder, journal):
-        wrong[layout.SESSION] = finding
+    wrong |= {entry["file"]: finding for entry in entries if (finding := _frame_finding(folder, entry))}
+    for file, digest in vouched_for(journal).items():
+        if finding := _settings_finding(folder, file, digest):
+            wrong[file] = finding
     findings = [f"{file}: {finding}" for file, finding in wrong.items()]
     findings += _tag_findings(folder) or bag_findings(folder, wrong)
     named = {entry["file"] for entry in entries}
@@ -63,11 +68,11 @@ def _frame_finding(folder: Path, entry: Entry) -> str:
     return "" if sha256_of(path) == entry["sha256"] else "changed since it was captured"
 
 
-def _session_finding(folder: Path, journal: list[Entry]) -> str:
-    path = folder / layout.SESSION
+def _settings_finding(folder: Path, file: str, digest: str) -> str:
+    path = resolve_inside(folder, file)
     if not path.is_file():
         return "not on the disk"
-    return "" if is_as_begun(path.read_bytes(), journal) else "changed since the session began"
+    return "" if sha256_of(path) == digest else "changed since the session began"
 
 
 def _tag_findings(folder: Path) -> list[str]:

@@ -19,31 +19,48 @@ import tomli_w
 
 from litrig.base.capture_folder import layout
 from litrig.base.capture_folder.bag import close_bag
-from litrig.base.capture_folder.crate import write_crate
-from litrig.base.capture_folder.journal import Entry, Journal
-from litrig.base.errors import InputError
-from litrig.base.files import sync_folder, write_atomically
+from litrig.base.capture_folder.crate import Description, crate_of
+from litrig.base.capture_folder.frame_line import check_frame_lines
+from litrig.base.capture_folder.journal import Entry, Journal, read_journal
+from litrig.base.capture_folder.lock import FolderLock
+from litrig.base.errors import FormatError, InputError
+from litrig.base.files import write_atomically
 from litrig.base.lights import Lights
-from litrig.base.lp import write_lp
+from litrig.base.lp import lp_text
 from litrig.base.radiometry import U8
+from litrig.base.store import DISK, Store
 
 THUMB_WIDTH_PX = 160
 
 
 class CaptureFolderWriter:
-    """An open capture folder; a context manager that closes the journal, not the bag."""
+    """An open capture folder; a context manager that lets go of the folder, and does not close the bag.
 
-    def __init__(self, folder: Path, journal: Journal, object_id: str) -> None:
+    Attributes
+    ----------
+    folder : where it lies
+    object_id : what is on the table
+    """
+
+    def __init__(
+        self, folder: Path, journal: Journal, object_id: str, lock: FolderLock | None = None, store: Store = DISK
+    ) -> None:
         self.folder = folder
         self.object_id = object_id
-        self._journal = journal
+        self._journal, self._lock, self._store = journal, lock, store
         self._digests: dict[str, str] = {}
 
     @classmethod
     def create(
-        cls, folder: Path, object_id: str, session: Mapping[str, Any], plan: Iterable[Mapping[str, Any]]
+        cls,
+        folder: Path,
+        object_id: str,
+        session: Mapping[str, Any],
+        plan: Iterable[Mapping[str, Any]],
+        *,
+        store: Store = DISK,
     ) -> Self:
-        """Lay out a new session: settings and plan first, then the journal that refers to them.
+        """Lay out a new session: settings and plan first, then the journal that vouches for them.
 
         Parameters
         ----------
@@ -60,16 +77,42 @@ class CaptureFolderWriter:
         absent = [place for place in (folder, *folder.parents) if not place.exists()]
         settings = tomli_w.dumps(session).encode()
         with ExitStack() as undo:
-            undo.callback(_take_back, folder, absent)
             try:
-                _lay_out(folder, settings, plan)
-                journal = Journal(folder / layout.JOURNAL)
+                _claim(folder, absent, store)
+                undo.callback(_take_back, folder, absent)
+                steps = "".join(json.dumps(step, ensure_ascii=False) + "\n" for step in plan).encode()
+                _lay_out(folder, settings, steps, absent, store)
             except OSError as error:
                 raise InputError(f"{folder}: cannot be created ({error.strerror}); choose another place") from error
-            undo.callback(journal.close)
-            writer = cls(folder, journal, object_id)
-            writer.record("session", object=object_id, session_sha256=hashlib.sha256(settings).hexdigest())
+            journal = Journal(folder / layout.JOURNAL, store=store)
+            digests = {"session_sha256": _sha256(settings), "plan_sha256": _sha256(steps)}
+            journal.append("session", object=object_id, **digests)
+            lock = FolderLock(folder)
             undo.pop_all()
+        return cls(folder, journal, object_id, lock, store)
+
+    @classmethod
+    def reopen(cls, folder: Path, lock: FolderLock, *, store: Store = DISK) -> Self:
+        """Go on with a session, whatever state it was left in; a closed bag is opened again.
+
+        Parameters
+        ----------
+        lock : of that folder, held
+
+        Raises
+        ------
+        InputError, FormatError
+            Its journal is damaged or does not begin with a session, or the folder cannot be written.
+        """
+        path = folder / layout.JOURNAL
+        entries = read_journal(path)
+        check_frame_lines(entries, path)
+        object_id = entries[0].get("object") if entries and entries[0]["ev"] == "session" else None
+        if not isinstance(object_id, str):
+            raise FormatError(f"{path}: does not begin with a session; nothing was shot, capture anew")
+        writer = cls(folder, Journal(path, store=store), object_id, lock, store)
+        writer._digests = {entry["file"]: entry["sha256"] for entry in entries if entry["ev"] == "frame"}
+        writer._open_bag()
         return writer
 
     def __enter__(self) -> Self:
@@ -77,15 +120,32 @@ class CaptureFolderWriter:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Close the journal; the folder stays an open session unless `close` was called."""
-        self._journal.close()
+        """Let go of the folder; it stays an open session unless `close` was called."""
+        if self._lock is not None:
+            self._lock.release()
+
+    @property
+    def torn_bytes(self) -> int:
+        """How many bytes behind the journal's last whole line the next line will cut off."""
+        return self._journal.torn_bytes
 
     def record(self, event: str, **fields: Any) -> Entry:
-        """Note that something happened; durable when it returns."""
+        """Write an entry into the journal; it is durable when this returns."""
         return self._journal.append(event, **fields)
 
+    def unused_name(self, stem: str, ending: str) -> str:
+        """Return a name below frames/ that no file has, for nothing is ever overwritten, not even what does not count.
+
+        It is the stem with the ending, or with `_try2`, `_try3` and so on before the ending.
+        """
+        name, attempt = stem + ending, 1
+        while (self.folder / layout.FRAMES / name).exists():
+            attempt += 1
+            name = f"{stem}_try{attempt}{ending}"
+        return name
+
     def add_frame(self, name: str, content: bytes, thumbnail: U8, **fields: Any) -> Entry:
-        """Store a frame and acknowledge it.
+        """Store a frame and acknowledge it; when this returns, no power cut can lose it.
 
         Parameters
         ----------
@@ -93,40 +153,71 @@ class CaptureFolderWriter:
         content : the file as the camera made it; it is never rewritten
         thumbnail : (h, w, 3) uint8 RGB
         fields : what the journal says of it besides file, bytes and sha256
+
+        Raises
+        ------
+        InputError
+            A file of that name is there, or the disk is full or gone.
         """
         file = f"{layout.FRAMES}/{name}"
         if (self.folder / file).exists():
             raise InputError(f"{self.folder / file}: is there already; a frame is never overwritten")
-        write_atomically(self.folder / file, content)
+        write_atomically(self.folder / file, content, store=self._store)
         self._write_thumb(name, thumbnail)
-        digest = hashlib.sha256(content).hexdigest()
+        digest = _sha256(content)
         entry = self.record("frame", file=file, bytes=len(content), sha256=digest, **fields)
         self._digests[file] = digest
         return entry
 
-    def close(self, lights: Lights | None, *, version: str, instruments: Iterable[str], started: str) -> None:
+    def add_settings(self, name: str, settings: Mapping[str, Any]) -> str:
+        """Freeze further settings beside the first, and return their sha256."""
+        content = tomli_w.dumps(settings).encode()
+        write_atomically(self.folder / "data" / name, content, store=self._store)
+        return _sha256(content)
+
+    def add_note(self, text: str) -> None:
+        """Add a paragraph to the notes, and to the journal."""
+        notes = self.folder / layout.NOTES
+        before = notes.read_bytes() + b"\n" if notes.exists() else b""
+        write_atomically(notes, before + text.strip().encode() + b"\n", store=self._store)
+        self.record("note", text=text.strip())
+
+    def describe(self, about: Description) -> None:
+        """Write the RO-Crate description of what lies there now."""
+        write_atomically(self.folder / layout.CRATE, crate_of(self.folder, self.object_id, about), store=self._store)
+
+    def close(self, lights: Lights | None, about: Description) -> None:
         """End the session: exported light directions, description, and the manifests that make a valid bag of it."""
         if lights is not None:
-            write_lp(self.folder / "data" / f"{self.object_id}.lp", lights)
+            path = self.folder / "data" / f"{self.object_id}.lp"
+            write_atomically(path, lp_text(path, lights), store=self._store)
         ended = str(self.record("close", frames=len(self._digests))["t"])
-        self._journal.close()
-        write_crate(
-            self.folder,
-            name=self.object_id,
-            started=started,
-            ended=ended,
-            version=version,
-            instruments=instruments,
-        )
-        info = {"Bag-Software-Agent": f"litrig {version}", "External-Identifier": self.object_id}
-        close_bag(self.folder, self._digests, info)
+        self.describe(about.ending(ended))
+        info = {"Bag-Software-Agent": f"litrig {about.version}", "External-Identifier": self.object_id}
+        if about.operator:
+            info["Contact-Name"] = about.operator
+        close_bag(self.folder, self._digests, info, self._store)
+
+    def _open_bag(self) -> None:
+        """Take the files away that make a bag complete; the last written goes first."""
+        tags = [self.folder / name for name in (layout.TAG_MANIFEST, layout.MANIFEST, layout.BAG_INFO)]
+        standing = [tag for tag in tags if tag.exists()]
+        if not standing:
+            return
+        self.record("reopened")
+        try:
+            for tag in standing:
+                self._store.remove(tag)
+            self._store.sync_folder(self.folder)
+        except OSError as error:
+            raise InputError(f"{self.folder}: cannot be written ({error.strerror}); check the disk") from error
 
     def _write_thumb(self, name: str, thumbnail: U8) -> None:
         # Convenience, not truth: no fsync, no word of it in the journal, and no session fails for want of one.
         good, encoded = cv2.imencode(".jpg", cv2.cvtColor(thumbnail, cv2.COLOR_RGB2BGR))
         with suppress(OSError):
             if good:
-                (self.folder / layout.THUMBS / Path(name).with_suffix(".jpg").name).write_bytes(encoded.tobytes())
+                self._store.write(self.folder / layout.THUMBS / Path(name).with_suffix(".jpg").name, encoded.tobytes())
 
 
 def check_free(folder: Path) -> None:
@@ -146,15 +237,24 @@ def check_free(folder: Path) -> None:
         raise InputError(f"{folder}: cannot be a session's folder ({error.strerror}); choose another name") from error
 
 
-def _lay_out(folder: Path, settings: bytes, plan: Iterable[Mapping[str, Any]]) -> None:
+def _claim(folder: Path, absent: Iterable[Path], store: Store) -> None:
+    """Make the folder and the one inside that only one of several writers can make."""
+    try:
+        for place in reversed(list(absent)):
+            store.make_folder(place)
+        store.make_folder(folder / "data")
+    except FileExistsError as error:
+        raise InputError(f"{folder}: another process makes a session there; choose another name") from error
+
+
+def _lay_out(folder: Path, settings: bytes, steps: bytes, absent: Iterable[Path], store: Store) -> None:
     for name in (layout.FRAMES, layout.THUMBS):
-        (folder / name).mkdir(parents=True, exist_ok=True)
-    write_atomically(folder / layout.BAGIT, layout.BAGIT_DECLARATION.encode())
-    write_atomically(folder / layout.SESSION, settings)
-    steps = "".join(json.dumps(step, ensure_ascii=False) + "\n" for step in plan)
-    write_atomically(folder / layout.PLAN, steps.encode())
-    for made in (folder / "data", folder, folder.parent):
-        sync_folder(made)
+        store.make_folder(folder / name)
+    write_atomically(folder / layout.BAGIT, layout.BAGIT_DECLARATION.encode(), store=store)
+    write_atomically(folder / layout.SESSION, settings, store=store)
+    write_atomically(folder / layout.PLAN, steps, store=store)
+    for made in (folder / "data", folder, *(place.parent for place in absent)):
+        store.sync_folder(made)
 
 
 def _take_back(folder: Path, absent: Iterable[Path]) -> None:
@@ -177,3 +277,7 @@ def make_thumbnail(codes: U8) -> U8:
     """Shrink a picture (H, W, 3) to a thumbnail's width."""
     height = max(1, round(codes.shape[0] * THUMB_WIDTH_PX / codes.shape[1]))
     return np.asarray(cv2.resize(codes, (THUMB_WIDTH_PX, height), interpolation=cv2.INTER_AREA), np.uint8)
+
+
+def _sha256(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()

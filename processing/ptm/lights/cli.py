@@ -153,7 +153,7 @@ def _ways(
     edits: Path | None,
 ) -> "Ways":
     from litrig.base.camera_model import read_camera_model
-    from processing.amc.outline.circle import Circle
+    from processing.outline.circle import Circle
     from processing.ptm.lights.edits import read_edits
     from processing.ptm.lights.estimate import Ways
 

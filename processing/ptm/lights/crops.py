@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from litrig.base.camera_model import CameraModel
 from litrig.base.progress import Progress, Report
-from processing.amc.outline.circle import Circle
+from processing.outline.circle import Circle
 from processing.ptm.lights.highlight import Highlight
 from processing.ptm.lights.mirror import Mirror
 from processing.stack import Stack

@@ -16,7 +16,7 @@ from litrig.base.config import StrictModel, read_toml
 from litrig.base.errors import InputError
 from litrig.base.files import write_atomically
 from litrig.base.version import litrig_version
-from processing.amc.outline.circle import Circle
+from processing.outline.circle import Circle
 from processing.ptm.lights.highlight import Flag, Highlight
 from processing.ptm.lights.mirror import Mirror
 

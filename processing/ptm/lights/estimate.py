@@ -12,8 +12,7 @@ from litrig.base.directions import angle_between_deg
 from litrig.base.errors import InputError
 from litrig.base.lights import Lights
 from litrig.base.progress import Report, silent
-from processing.amc.outline.circle import SMALLEST_RADIUS_PX, Circle
-from processing.amc.undistort import undistortion
+from processing.outline.circle import SMALLEST_RADIUS_PX, Circle
 from processing.ptm.lights.combine import DROPPED, Light, combine
 from processing.ptm.lights.crops import CropFrame, cut_out
 from processing.ptm.lights.edits import Edits
@@ -22,6 +21,7 @@ from processing.ptm.lights.mirror import Mirror, camera_at
 from processing.ptm.lights.rim import fit_rim, usual_light
 from processing.ptm.lights.survey import find_balls
 from processing.stack import Stack
+from processing.undistort import undistortion
 
 F32 = NDArray[np.float32]
 

@@ -12,10 +12,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from litrig.base.camera_model import CameraModel
+from litrig.base.camera_model import FARTHEST_RADII, CameraModel
 from litrig.base.errors import InputError
-from processing.amc.geometry import FARTHEST_RADII
-from processing.amc.outline.circle import Circle
+from processing.outline.circle import Circle
 
 F64 = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.camera_model import CameraModel
-from processing.amc.outline.circle import SMALLEST_RADIUS_PX, Circle
+from processing.outline.circle import SMALLEST_RADIUS_PX, Circle
 from processing.ptm.lights.mirror import stretch
 
 F32 = NDArray[np.float32]

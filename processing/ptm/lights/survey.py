@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from litrig.base.camera_model import CameraModel
 from litrig.base.errors import InputError
 from litrig.base.progress import Progress, Report
-from processing.amc.outline.circle import Circle
-from processing.amc.outline.circle_search import find_rings, ring_radii
-from processing.amc.outline.silhouette import shrunk
+from processing.outline.circle import Circle
+from processing.outline.circle_search import find_rings, ring_radii
+from processing.outline.silhouette import shrunk
 from processing.ptm.lights.crops import CropFrame
 from processing.ptm.lights.highlight import moving_light, stands_out
 from processing.ptm.lights.rim import Rim, fit_rim, logarithms, usual_light

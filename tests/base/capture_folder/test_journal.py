@@ -32,7 +32,6 @@ def test_a_journal_cut_at_any_byte_opens_and_loses_the_torn_line_only(tmp_path: 
     journal = Journal(path, wall_clock=lambda: "2026-01-01T00:00:00+00:00", monotonic_ns=lambda: 1)
     for step in range(3):
         journal.append("frame", step=step)
-    journal.close()
     content = path.read_bytes()
     ends = [position + 1 for position, byte in enumerate(content) if byte == ord("\n")]
     for cut in range(len(content) + 1):

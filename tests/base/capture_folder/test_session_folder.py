@@ -14,6 +14,7 @@ import simplejpeg
 from rocrate.rocrate import ROCrate
 
 from litrig.base.capture_folder import layout
+from litrig.base.capture_folder.crate import Description
 from litrig.base.capture_folder.journal import encode_entry, read_journal
 from litrig.base.capture_folder.reader import read_capture
 from litrig.base.capture_folder.verify import verify_capture
@@ -48,7 +49,8 @@ def shoot(folder: Path, frames: int = 3, *, close: bool = True) -> None:
         if close:
             names = tuple(f"{step:06d}.jpg" for step in range(frames))
             lights = Lights(names, np.array([[0.0, 0.6, 0.8]] * frames))
-            writer.close(lights, version="1", instruments=["camera /dev/video0"], started="2026-01-01T00:00:00+00:00")
+            about = Description("1", "2026-01-01T00:00:00+00:00", instruments=("camera /dev/video0",))
+            writer.close(lights, about)
 
 
 def test_the_library_of_congress_accepts_the_bag(tmp_path: Path) -> None:
@@ -276,3 +278,33 @@ def test_a_folder_that_cannot_be_is_refused(tmp_path: Path, name: str, reason: s
     with pytest.raises(InputError, match=reason):
         shoot(tmp_path / name)
     assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [("file", b"mine")]
+
+
+def test_what_was_shot_at_one_pose_is_one_picture(tmp_path: Path) -> None:
+    with CaptureFolderWriter.create(tmp_path / "s", "coin", {}, []) as writer:
+        for step, (turn, ev) in enumerate([(0, -2.0), (0, 0.0), (0, 2.0), (1, 0.0), (1, 0.0)]):
+            writer.add_frame(
+                f"{step}.jpg",
+                jpeg(40 + step),
+                np.zeros((6, 8, 3), np.uint8),
+                step=step,
+                role="frame",
+                pose_goal={"angle_deg": 90.0 + 360 * turn},
+                pose_after={"angle_deg": 90.0 + 360 * turn + 0.1 * step},
+                exposure_ev=ev,
+                verdict="good",
+            )
+    (frame,) = read_capture(tmp_path / "s").frames
+    assert frame.path.name == "1.jpg"
+    assert [exposure.exposure_ev for exposure in frame.exposures] == [-2.0, 0.0, 2.0, 0.0, 0.0]
+    assert frame.angle_deg == pytest.approx(90.2)
+
+
+def test_a_frame_that_was_called_back_counts_no_longer_until_it_is_shot_again(tmp_path: Path) -> None:
+    thumb = np.zeros((6, 8, 3), np.uint8)
+    with CaptureFolderWriter.create(tmp_path / "s", "coin", {}, []) as writer:
+        for step in range(3):
+            writer.add_frame(f"{step}.jpg", jpeg(40 + step), thumb, step=step, verdict="good")
+        writer.record("recall", steps=[1, 2], reason="slipped")
+        writer.add_frame("2_try2.jpg", jpeg(50), thumb, step=2, verdict="good")
+    assert [frame.path.name for frame in read_capture(tmp_path / "s").frames] == ["0.jpg", "2_try2.jpg"]

@@ -19,8 +19,8 @@ from litrig.base.table_normals import TableNormal, rotate_smallest
 from processing.amc.build import build, build_split, build_unlit
 from processing.amc.files.ktx2 import read_amc, write_amc
 from processing.amc.model import Amc, TangentAngle
-from processing.amc.outline.circle import Circle
 from processing.amc.settings import Settings
+from processing.outline.circle import Circle
 from tests.processing.amc.brushed_sphere import Scene, shade, true_table
 
 SIZE = 32

@@ -4,8 +4,8 @@ import pytest
 from litrig.base.table_normals import TableNormal
 from processing.amc.geometry import SphereView, texel_plane
 from processing.amc.noise import difference_gain, noise_variance
-from processing.amc.outline.circle import Circle
 from processing.amc.resample import make_resampler
+from processing.outline.circle import Circle
 
 SIGMA = 0.02
 

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from litrig.base.errors import InputError
 from litrig.base.pictures import read_linear
 from processing.amc.geometry import SphereView
-from processing.amc.outline.circle import Circle
 from processing.amc.photo import find_ball, matcap_from_photo
+from processing.outline.circle import Circle
 from tests.processing.amc.brushed_sphere import Scene, true_table
 
 F32 = NDArray[np.float32]

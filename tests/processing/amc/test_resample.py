@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 from litrig.base.errors import InputError
 from litrig.base.table_normals import TableNormal
 from processing.amc.geometry import SphereView
-from processing.amc.outline.circle import Circle
 from processing.amc.resample import dilate, make_resampler
+from processing.outline.circle import Circle
 
 
 def picture_of_normals(circle: tuple[float, float, float], shape: tuple[int, int]) -> NDArray[np.float32]:

@@ -13,8 +13,8 @@ from litrig.base.capture_folder.reader import read_capture
 from litrig.base.errors import InputError
 from processing.amc.build import AmcResult, build
 from processing.amc.model import Invariance
-from processing.amc.outline.circle import Circle
 from processing.amc.settings import Settings
+from processing.outline.circle import Circle
 from tests.processing.amc.brushed_sphere import Scene, true_table
 
 F64 = NDArray[np.float64]

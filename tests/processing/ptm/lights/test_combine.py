@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from litrig.base.directions import angle_between_deg
-from processing.amc.outline.circle import Circle
+from processing.outline.circle import Circle
 from processing.ptm.lights.combine import APART, BELOW, DROPPED, SHADOWED, combine
 from processing.ptm.lights.highlight import Flag, Highlight
 from processing.ptm.lights.mirror import Mirror

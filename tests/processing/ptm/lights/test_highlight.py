@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from litrig.base.directions import angle_between_deg
-from processing.amc.outline.circle import Circle
+from processing.outline.circle import Circle
 from processing.ptm.lights.highlight import Flag, Highlight, find_highlights
 from processing.ptm.lights.mirror import Mirror
 from tests.processing.ptm.lights.mirror_balls import Balls, lamps

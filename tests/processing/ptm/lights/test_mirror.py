@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from litrig.base.camera_model import CameraModel
 from litrig.base.errors import InputError
-from processing.amc.outline.circle import Circle
+from processing.outline.circle import Circle
 from processing.ptm.lights.mirror import Mirror, camera_at
 from tests.processing.ptm.lights.mirror_balls import Balls
 

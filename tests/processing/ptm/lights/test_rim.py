@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from litrig.base.camera_model import CameraModel
-from processing.amc.outline.circle import Circle
+from processing.outline.circle import Circle
 from processing.ptm.lights.rim import fit_rim, usual_light
 from tests.processing.ptm.lights.mirror_balls import Balls, lamps
 

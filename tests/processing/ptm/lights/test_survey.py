@@ -10,7 +10,7 @@ from litrig.base.errors import InputError
 from litrig.base.pictures import write_codes
 from litrig.base.progress import silent
 from litrig.base.radiometry import encode_srgb, to_u8
-from processing.amc.outline.circle import Circle
+from processing.outline.circle import Circle
 from processing.ptm.lights.survey import find_balls
 from processing.stack import Stack
 from tests.processing.ptm.lights.mirror_balls import Balls, lamps

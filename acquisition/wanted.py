@@ -1,0 +1,57 @@
+"""What a session wants, and what of it is missing."""
+
+import json
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from pydantic import TypeAdapter, ValidationError
+
+from acquisition.plans import MOST_STEPS, Step
+from litrig.base.capture_folder import layout
+from litrig.base.capture_folder.bag import sha256_of
+from litrig.base.capture_folder.journal import Entry
+from litrig.base.capture_folder.reader import good_frames
+from litrig.base.errors import FormatError
+from litrig.base.files import read_limited, resolve_inside
+
+LARGEST_PLAN_BYTES = 2000 * MOST_STEPS
+_STEP = TypeAdapter(Step)
+
+
+def read_steps(folder: Path) -> list[Step]:
+    """Read the wanted steps of a session, in the order of its plan.
+
+    Raises
+    ------
+    InputError, FormatError
+        There is no plan, or a line of it is no step.
+    """
+    path = folder / layout.PLAN
+    steps = []
+    for number, line in enumerate(read_limited(path, LARGEST_PLAN_BYTES).splitlines(), 1):
+        try:
+            steps.append(_STEP.validate_python(json.loads(line)))
+        except (ValidationError, ValueError) as error:
+            reason = error.errors(include_url=False)[0]["msg"] if isinstance(error, ValidationError) else str(error)
+            raise FormatError(f"{path}, line {number}: is no step ({reason}); restore the file from a copy") from error
+    if len({step.step for step in steps}) != len(steps):
+        raise FormatError(f"{path}: has a step twice; restore the file from a copy")
+    return steps
+
+
+def missing_steps(folder: Path, wanted: Iterable[Step], entries: Iterable[Entry]) -> list[Step]:
+    """Return the steps without a good frame that is on the disk as it was shot."""
+    present = {entry["step"] for entry in good_frames(entries) if _is_whole(folder, entry)}
+    return [step for step in wanted if step.step not in present]
+
+
+def orphans(folder: Path, entries: Sequence[Entry]) -> list[str]:
+    """Name the frame files that no line of the journal speaks of: shot, but never acknowledged."""
+    named = {entry["file"] for entry in entries if entry["ev"] == "frame"}
+    there = {path.relative_to(folder).as_posix() for path in (folder / layout.FRAMES).glob("*")}
+    return sorted(there - named)
+
+
+def _is_whole(folder: Path, entry: Entry) -> bool:
+    path = resolve_inside(folder, entry["file"])
+    return path.is_file() and path.stat().st_size == entry["bytes"] and sha256_of(path) == entry["sha256"]
