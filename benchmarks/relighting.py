@@ -95,7 +95,15 @@ def _bulge() -> Mesh:
 
 def _command(folder: Path) -> Comparison:
     write_any(folder / "bench.ptm", _material(PTM, "lrgb", 256))
-    litrig: list[str | Path] = [sys.executable, "-m", "litrig", "render", folder / "bench.ptm", "-o", folder / "bench.png"]
+    litrig: list[str | Path] = [
+        sys.executable,
+        "-m",
+        "litrig",
+        "render",
+        folder / "bench.ptm",
+        "-o",
+        folder / "bench.png",
+    ]
     libraries: list[str | Path] = [sys.executable, "-c", "import moderngl, numpy, cv2"]
 
     def run(words: list[str | Path]) -> Callable[[], object]:

@@ -24,6 +24,7 @@ from processing.ptm.basis import PTM, Basis
 from processing.reference.display import display_codes, over
 from tests.processing.matcap.maps import analytic
 from tests.processing.ptm.files.fitted import fitted
+from tests.processing.shape import scene
 from tests.viewer.analytic import brushed_amc
 from tests.viewer.scenes import KEY, lit_and_unlit, split_in_two, with_occlusion
 from viewer.flat_picture import FlatView, flat_picture
@@ -36,6 +37,7 @@ from viewer.materials.low_rank import LowRankMaterial
 from viewer.materials.matcap import MatcapMaterial
 from viewer.materials.ptm import ptm_mesh_picture
 from viewer.materials.ptm_shading import PtmShading, shading_lights
+from viewer.materials.shading_buffers import recomposed_picture
 from viewer.renderer import F32, Renderer
 from viewer.tangent_lines import lines_look, tangent_lines
 from viewer.targets import Target
@@ -109,6 +111,12 @@ def decomposed(renderer: Renderer) -> F32:
         return of_look(material.look(), renderer, CLOTH)
 
 
+def recomposed(renderer: Renderer) -> F32:
+    buffers = scene.buffers()
+    picture = recomposed_picture(renderer, buffers, scene.environments(), scene.bumped(buffers.normals))
+    return np.concatenate([picture, np.ones_like(picture[..., :1])], axis=-1)
+
+
 def tangents(renderer: Renderer) -> F32:
     with (
         renderer.upload(AmcMaterial, brushed_amc(32, 30)) as material,
@@ -164,6 +172,7 @@ PICTURES: dict[str, Drawn] = {
     "amc-split": summed,
     "matcap-sewn": matcap,
     "matcap-decomposed": decomposed,
+    "shading-buffers": recomposed,
     "ptm": ptm(PTM, ONE_LIGHT),
     "ptm-lights": ptm(PTM, PtmShading(shading_lights(((0.7, 0.2), (-0.6, 0.4)), ((1, 0.5, 0.2), (0.1, 0.3, 0.9)), 12))),
     "ptm-gain": ptm(PTM, replace(ONE_LIGHT, diffuse_gain=2.5)),
