@@ -136,6 +136,24 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
     type=click.Path(path_type=Path),
     help="Another material, drawn to the right of the first on the same mesh.",
 )
+@click.option(
+    "--environment",
+    metavar="X.env.exr",
+    type=click.Path(path_type=Path),
+    help="FILE is a rendered picture with its shading buffers, and these are its surfaces' environments.",
+)
+@click.option(
+    "--normal-map",
+    metavar="N.exr",
+    type=click.Path(path_type=Path),
+    help="Other normals for that picture, signed, one a pixel, in the frame of its own.",
+)
+@click.option(
+    "--kd", "diffuse_factor", metavar="K", type=float, default=1.0, help="Scale that picture's diffuse shading."
+)
+@click.option(
+    "--kr", "reflection_factor", metavar="K", type=float, default=1.0, help="Scale that picture's reflections."
+)
 @click.option("--size", "size_px", metavar="W H", type=(_SIDE_PX, _SIDE_PX), help="Pixels; 800 800 if left out.")
 @click.option(
     "--projection",
@@ -232,6 +250,10 @@ def render(
     occlusion: bool,
     tangents: bool,
     beside: Path | None,
+    environment: Path | None,
+    normal_map: Path | None,
+    diffuse_factor: float,
+    reflection_factor: float,
     size_px: tuple[int, int] | None,
     projection: str,
     yaw_deg: float,
@@ -251,12 +273,13 @@ def render(
     An Anisotropic MatCap (.amc.ktx2 or .amc.exr), a plain MatCap (a square picture of a ball) or a decomposed one
     (.matcap.exr) is shown on a mesh, by default a torus. A PTM or HSH (.ptm, .rti, .ptm.exr or a web folder) is relit
     flat at its own size, its values as the picture's values; with --mesh it is laid on that mesh.
+    With --environment, a rendered picture with shading buffers (.exr) is shaded again under other normals.
     """
     from viewer.develop import Development, Tone
     from viewer.materials.amc import Coordinates
     from viewer.motion import Course, Motion
     from viewer.render_file import render_file
-    from viewer.staging import AmcStaging, PtmStaging, Staging
+    from viewer.staging import AmcStaging, BuffersStaging, PtmStaging, Staging
     from viewer.view import Projection, View
 
     if turntable_frames is not None and tour_frames is not None:
@@ -271,6 +294,7 @@ def render(
         *(mesh, size_px, view, background, supersample),
         amc=AmcStaging(directions, turn_deg, Coordinates(coordinates), unlit, key, add),
         ptm=PtmStaging(lights, colours, softness_deg, diffuse_gain, specular, normals, window),
+        buffers=BuffersStaging(environment, normal_map, diffuse_factor, reflection_factor),
         occluded=occlusion,
         tangents=tangents,
         beside=beside,

@@ -19,6 +19,7 @@ from processing.ptm.files.either import holds_material
 from viewer.geometry import Geometry, mesh_geometry
 from viewer.motion import Course, Moment
 from viewer.opened import is_amc, open_looks
+from viewer.render_buffers import render_buffers, uses_buffers
 from viewer.render_flat import render_flat
 from viewer.renderer import Renderer
 from viewer.save import frame_codes, save_rendered
@@ -42,6 +43,8 @@ def render_file(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
         OpenGL is not installed.
     """
     check_video(output, moves=staging.motion is not None)
+    if uses_buffers(staging):
+        return render_buffers(file, output, staging)
     if holds_material(file) and staging.mesh is None and staging.beside is None:
         return render_flat(file, output, staging)
     if staging.motion is not None and staging.background_srgb is None:

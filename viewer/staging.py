@@ -72,6 +72,23 @@ class PtmStaging:
 
 
 @dataclass(frozen=True)
+class BuffersStaging:
+    """What is said of a rendered picture with its shading buffers.
+
+    Attributes
+    ----------
+    environment : file of its surfaces' environments, without which nothing can be changed
+    normals : file of other normals; None keeps the picture's
+    diffuse_factor, reflection_factor : k_D and k_R (the Shape paper, equation 5)
+    """
+
+    environment: Path | None = None
+    normals: Path | None = None
+    diffuse_factor: float = 1.0
+    reflection_factor: float = 1.0
+
+
+@dataclass(frozen=True)
 class Staging:
     """How a material is shown.
 
@@ -83,6 +100,7 @@ class Staging:
     supersample : draw so many times finer and average
     amc : what is said of an AMC alone
     ptm : what is said of a PTM alone
+    buffers : what is said of a rendered picture alone
     occluded : darken by the mesh's ambient occlusion
     tangents : draw the mesh's tangents over it
     beside : another material file, drawn to the right on the same mesh in the same view
@@ -98,6 +116,7 @@ class Staging:
     supersample: int = 3
     amc: AmcStaging = field(default_factory=AmcStaging)
     ptm: PtmStaging = field(default_factory=PtmStaging)
+    buffers: BuffersStaging = field(default_factory=BuffersStaging)
     occluded: bool = False
     tangents: bool = False
     beside: Path | None = None

@@ -102,3 +102,12 @@ def test_normals_are_changed_without_opening_anything_again(renderer: Renderer) 
 def test_environments_that_are_none_are_refused(renderer: Renderer, light: dict, reason: str) -> None:  # type: ignore[type-arg]
     with pytest.raises(InputError, match=reason), renderer.upload(ShadingBuffersMaterial, BUFFERS, light):
         pass
+
+
+def test_a_picture_larger_than_the_driver_takes_is_refused(renderer: Renderer, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("moderngl.Context.info", {"GL_MAX_TEXTURE_SIZE": 100, "GL_MAX_ARRAY_TEXTURE_LAYERS": 256})
+    with (
+        pytest.raises(InputError, match="150 × 120 pixels, but this graphics driver ends at 100"),
+        renderer.upload(ShadingBuffersMaterial, BUFFERS, LIGHT),
+    ):
+        pass
