@@ -284,6 +284,9 @@ def render(
 
     if turntable_frames is not None and tour_frames is not None:
         raise click.UsageError("--turntable and --tour are two videos; give one")
+    fps_given = click.get_current_context().get_parameter_source("fps") is ParameterSource.COMMANDLINE
+    if fps_given and turntable_frames is None and tour_frames is None:
+        raise click.UsageError("--fps is the speed of a video; give --turntable or --tour too")
     motion = None
     if turntable_frames is not None:
         motion = Motion(Course.TURNTABLE, turntable_frames, fps)

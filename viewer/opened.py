@@ -173,6 +173,7 @@ def _ptm_looks(renderer: Renderer, file: Path, staging: Staging, _geometry: Geom
     refuse_amc_staging(file, staging, "a PTM")
     if staging.ptm.window is not None:
         raise InputError(f"{file}: a window is of a flat PTM; leave it out, or the mesh")
+    refuse_changed_normals(file, staging)
     shading = staging.ptm.shading()
     ptm = read_any(file)
     check_shading(file, ptm, shading)
@@ -184,6 +185,20 @@ def _ptm_looks(renderer: Renderer, file: Path, staging: Staging, _geometry: Geom
 def shading_at(shading: PtmShading, moment: Moment) -> PtmShading:
     """Turn the lights as far as they are at a moment."""
     return dataclasses.replace(shading, lights=turned_lights(shading.lights, moment.lights_turn_deg))
+
+
+def refuse_changed_normals(file: Path, staging: Staging) -> None:
+    """Refuse what would be done to light where normals are shown.
+
+    Raises
+    ------
+    InputError
+        The staging has an exposure, a tone curve, or lights that move.
+    """
+    if staging.ptm.normals and not staging.development.changes_nothing:
+        raise InputError(f"{file}: normals have no exposure and no tone; leave those out, or --normals")
+    if staging.ptm.normals and staging.motion is not None and staging.motion.course is Course.TOUR:
+        raise InputError(f"{file}: normals are the same under every light; leave out --tour, or --normals")
 
 
 def check_shading(file: Path, ptm: Ptm, shading: PtmShading) -> None:

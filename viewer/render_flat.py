@@ -11,7 +11,7 @@ from litrig.base.radiometry import encode_srgb, to_u8
 from processing.ptm.files.either import read_any
 from viewer.flat_picture import FlatView, open_flat
 from viewer.motion import Course, Moment
-from viewer.opened import check_shading, refuse_amc_staging, shading_at
+from viewer.opened import check_shading, refuse_amc_staging, refuse_changed_normals, shading_at
 from viewer.renderer import Renderer
 from viewer.save import save_values
 from viewer.staging import Staging
@@ -69,5 +69,4 @@ def _check_staging(file: Path, staging: Staging) -> None:
         raise InputError(f"{file}: {options} would not change a flat PTM; leave it out, or name a mesh")
     if staging.motion is not None and staging.motion.course is Course.TURNTABLE:
         raise InputError(f"{file}: a flat PTM does not turn; use --tour, or name a mesh")
-    if staging.ptm.normals and not staging.development.changes_nothing:
-        raise InputError(f"{file}: normals have no exposure and no tone; leave those out, or --normals")
+    refuse_changed_normals(file, staging)

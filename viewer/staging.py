@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from litrig.base.errors import InputError
 from viewer.develop import Development
 from viewer.materials.amc import Coordinates
 from viewer.materials.ptm_shading import PtmShading, shading_lights
@@ -65,8 +66,13 @@ class PtmStaging:
         Raises
         ------
         InputError
-            Lights, colours, gain or highlight are none.
+            Lights, colours, gain or highlight are none, or would change nothing.
         """
+        if self.normals and self != PtmStaging(normals=True, window=self.window):
+            raise InputError(
+                "normals: are the same under every light; leave out the lights, --diffuse-gain and --specular, or "
+                "--normals"
+            )
         lights = shading_lights(self.lights, self.colours, self.softness_deg)
         return PtmShading(lights, self.diffuse_gain, self.gloss, "normals" if self.normals else "lit")
 

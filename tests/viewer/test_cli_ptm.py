@@ -80,8 +80,8 @@ def test_a_highlight_is_as_litrig_ptm_relight_has_it(files: Path, tmp_path: Path
                                     ["--normals"], ["--exposure", "-2"], ["--tone", "filmic"], ["--tone", "reinhard"]],
                          ids=" ".join)  # fmt: skip
 def test_every_option_changes_the_picture(files: Path, tmp_path: Path, where: list[str], option: list[str]) -> None:
-    run(files / "x.ptm", "-o", tmp_path / "a.png", *LIGHT, *where)
-    run(files / "x.ptm", "-o", tmp_path / "b.png", *LIGHT, *where, *option)
+    run(files / "x.ptm", "-o", tmp_path / "a.png", *where)
+    run(files / "x.ptm", "-o", tmp_path / "b.png", *where, *option)
     assert np.abs(codes(tmp_path / "a.png").astype(int) - codes(tmp_path / "b.png")).max() > 20
 
 
@@ -133,6 +133,13 @@ def test_the_same_file_gives_the_same_bytes(files: Path, tmp_path: Path, ending:
         pytest.param(["x.ptm", "--softness", "100"], r"outside 0\.\.90", id="softness"),
         pytest.param(["x.ptm", *(LIGHT * 5), "--softness", "5"], "80 are outside 1..64", id="soft lights"),
         pytest.param(["x.ptm", "--normals", "--exposure", "1"], "have no exposure", id="exposed normals"),
+        pytest.param(
+            ["x.ptm", "--mesh", "torus", "--normals", "--tone", "filmic"], "no tone; leave", id="on a mesh too"
+        ),
+        pytest.param(
+            ["x.ptm", "--normals", *LIGHT], "the same under every light; leave out the lights", id="lit normals"
+        ),
+        pytest.param(["x.ptm", "--normals", "--tour", "4", "-o", "x.mp4"], "leave out --tour", id="normals on tour"),
         pytest.param(["x.ptm", "--exposure", "nan"], "exposure: nan", id="an exposure of nan"),
         pytest.param(["x.ptm", "--zoom", "0"], "a zoom of 0", id="no zoom"),
         pytest.param(["x.ptm", "--turntable", "4", "-o", "x.mp4"], "does not turn; use --tour", id="a flat turn"),

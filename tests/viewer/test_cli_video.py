@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click import UsageError
 
 import viewer.render_file
 import viewer.render_flat
@@ -78,6 +79,8 @@ def test_what_has_its_light_in_it_goes_on_no_tour(files: Path) -> None:
     assert not (files / "x.mp4").exists()
 
 
-def test_two_courses_are_wrong_usage(files: Path) -> None:
-    with pytest.raises(Exception, match="two videos; give one"):
+def test_two_courses_and_a_still_picture_s_speed_are_wrong_usage(files: Path) -> None:
+    with pytest.raises(UsageError, match="two videos; give one"):
         run("x.ptm", "-o", "x.mp4", "--tour", 4, "--turntable", 4)
+    with pytest.raises(UsageError, match="the speed of a video"):
+        run("x.ptm", "-o", "x.png", "--fps", 30)
