@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from acquisition.plan_cli import plan
+from acquisition.report.cli import report
 from acquisition.session_info import SessionInfo, session_options
 from rig.options import RECORD, RIG
 
@@ -67,6 +68,7 @@ def capture() -> None:
 
 
 capture.add_command(plan)
+capture.add_command(report)
 
 
 @capture.command(epilog="Example: litrig capture run rig.toml plan.toml -o coin --object coin --operator 'A. Smith'")
