@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from acquisition.compare.cli import diff
 from acquisition.plan_cli import plan
 from acquisition.report.cli import report
 from acquisition.session_info import SessionInfo, session_options
@@ -69,6 +70,7 @@ def capture() -> None:
 
 capture.add_command(plan)
 capture.add_command(report)
+capture.add_command(diff)
 
 
 @capture.command(epilog="Example: litrig capture run rig.toml plan.toml -o coin --object coin --operator 'A. Smith'")
