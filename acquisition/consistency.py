@@ -32,6 +32,8 @@ F64 = NDArray[np.float64]
 
 FEWEST_LIGHTS = 10
 """Six coefficients, and enough to contradict them, for exchanges."""
+MOST_LIGHTS = 2000
+"""All are compared with all."""
 FEWEST_OTHERS = 14
 """So many must agree before it is said that a frame is lit from elsewhere: fewer bend to whatever is left."""
 WIDTH_PX = 40
@@ -93,15 +95,19 @@ def suspects(folder: Path) -> list[Suspect]:
 
 def suspects_among(folder: Path, frames: Iterable[Entry]) -> list[Suspect]:
     """Do what `suspects` does for the frames that count, as their journal lines have them."""
-    poses: dict[object, list[Entry]] = {}
+    poses: dict[object, dict[object, Entry]] = {}
     for entry in frames:
         if entry.get("role", Role.FRAME) == Role.FRAME and entry.get("light") is not None:
-            angle_deg = (entry.get("pose_goal") or {}).get("angle_deg")
-            poses.setdefault((angle_deg, entry.get("exposure_ev", 0.0)), []).append(entry)
+            goal = entry.get("pose_goal") or {}
+            aim = tuple(sorted((key, value) for key, value in goal.items() if key != "angle_deg"))
+            pose = poses.setdefault((goal.get("angle_deg"), entry.get("exposure_ev", 0.0)), {})
+            pose.setdefault(
+                aim or entry["step"], entry
+            )  # repeats are shot without a move in between: one speaks for all
     found: list[Suspect] = []
-    for entries in poses.values():
-        if len(entries) >= FEWEST_LIGHTS:
-            found += _of_one_pose(folder, entries)
+    for lit in poses.values():
+        if FEWEST_LIGHTS <= len(lit) <= MOST_LIGHTS:
+            found += _of_one_pose(folder, list(lit.values()))
     return sorted(found, key=lambda suspect: suspect.step)
 
 

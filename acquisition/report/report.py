@@ -75,19 +75,20 @@ def write_report(folder: Path, output: Path | None = None) -> Report:
             *sections.configuration(record),
         ]
         write_page(temporary / PAGE, record.object_id, _lead(record, stands), [part for part in parts if part])
+        summary["files"] = sorted(path.name for path in temporary.iterdir())
         write_atomically(temporary / SUMMARY, json.dumps(summary, indent=1, ensure_ascii=False).encode())
     return Report(place / PAGE, summary)
 
 
 def _is_report(folder: Path) -> bool:
-    """Tell whether a folder is a report of ours, and holds nothing that somebody else put there."""
+    """Tell whether a folder is an earlier report, and holds nothing that somebody else put there."""
     try:
         summary = json.loads(read_limited(folder / SUMMARY, _LARGEST_SUMMARY_BYTES))
     except (InputError, ValueError, RecursionError):
         return False
-    ours = {".png", ".jpg", ".html", ".json"}
-    only_ours = all(path.is_file() and path.suffix in ours for path in folder.iterdir())
-    return isinstance(summary, dict) and summary.get("litrig.kind") == KIND and only_ours
+    if not isinstance(summary, dict) or summary.get("litrig.kind") != KIND:
+        return False
+    return {path.name for path in folder.iterdir()} <= {SUMMARY, *map(str, summary.get("files", ()))}
 
 
 def _lead(record: SessionRecord, stands: Standing) -> str:

@@ -116,6 +116,14 @@ def test_each_pose_of_the_table_is_judged_by_itself(tmp_path: Path) -> None:
     assert [(suspect.step, suspect.exchanged_with) for suspect in suspects(folder)] == [(4, 8), (8, 4)]
 
 
+def test_repeats_of_a_light_are_no_further_lights(tmp_path: Path) -> None:
+    def six_lights(frames: list[Entry]) -> None:
+        for index, entry in enumerate(frames):
+            entry |= {key: frames[index % 6][key] for key in ("light", "pose_goal")}
+
+    assert suspects(with_journal(tmp_path / "s", six_lights)) == []
+
+
 def test_the_end_of_a_session_warns_in_one_line_and_is_no_failure(tmp_path: Path) -> None:
     folder = with_journal(tmp_path / "s", exchange(3, 12))
     result = CliRunner().invoke(capture, ["resume", str(folder)])

@@ -47,9 +47,20 @@ class FolderLock:
 
 
 def who_writes(folder: Path) -> str:
-    """Name the process that writes into a capture folder, without getting into its way; empty if none is known."""
+    """Name the process that writes into a capture folder, without getting into its way; empty if none is known.
+
+    What the kernel lists may be a file of the same number on another disk, so a lock listed there is tried; where none
+    is, nothing is touched.
+    """
     try:
-        return _holder((folder / layout.JOURNAL).stat().st_ino)
+        with (folder / layout.JOURNAL).open("rb") as journal:
+            holder = _holder(os.fstat(journal.fileno()).st_ino)
+            if not holder:
+                return ""
+            fcntl.flock(journal, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            return ""
+    except BlockingIOError:
+        return holder
     except OSError:
         return ""
 

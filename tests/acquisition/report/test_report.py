@@ -96,14 +96,13 @@ def test_the_command_prints_the_page_or_what_it_says(open_session: Path, tmp_pat
 
 def test_an_earlier_report_is_replaced_and_nothing_else(open_session: Path, tmp_path: Path) -> None:
     place = tmp_path / "r"
-    write_report(open_session, place)
-    (place / "old.png").write_bytes(b"")
-    write_report(open_session, place)
-    assert not (place / "old.png").exists()
-    (place / "thesis.txt").write_text("mine")
+    before = write_report(open_session, place).page.stat().st_ino
+    after = write_report(open_session, place).page.stat().st_ino
+    assert before != after
+    (place / "thesis.png").write_text("mine")
     with pytest.raises(InputError, match="holds files already"):
         write_report(open_session, place)
-    assert (place / "thesis.txt").read_text() == "mine"
+    assert (place / "thesis.png").read_text() == "mine"
     assert [path.name for path in tmp_path.iterdir()] == ["r"]
 
 
