@@ -76,9 +76,9 @@ def plot_drift(path: Path, drifts: Sequence[tuple[str, F64, F64]]) -> None:
         axes.set(
             xlabel="minutes since the first frame",
             ylabel="light, % from the first",
-            ylim=(-1.3 * largest - 0.5, 1.3 * largest + 0.5),
+            ylim=(-1.3 * largest - 0.5, 2.2 * largest + 1),
         )
-        _legend(axes)
+        _legend(axes, columns=2)
 
 
 def plot_pose(path: Path, steps: Sequence[int], before_deg: F64, after_deg: F64, tolerance_deg: float | None) -> None:
@@ -198,8 +198,8 @@ def _limit(axes: "Axes", value: float, name: str, top: float) -> None:
     )
 
 
-def _legend(axes: "Axes", *, below: bool = False) -> None:
-    style: dict[str, Any] = {"frameon": False, "labelcolor": QUIET, "fontsize": 8, "ncols": 4}
+def _legend(axes: "Axes", *, columns: int = 4, below: bool = False) -> None:
+    style: dict[str, Any] = {"frameon": False, "labelcolor": QUIET, "fontsize": 8, "ncols": columns}
     if below:
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), **style)
     else:

@@ -121,7 +121,7 @@ def _at_a_glance(record: SessionRecord, cells: Sequence[Cell], stands: Standing,
         ("plan", f"{record.kind}{': ' if record.kind and details else ''}{details}"),
         ("files", _files(record)),
         ("time", sections.clock(spent.wall_s)),
-        *((f"segment {number}", text) for number, text in segments(record)),
+        *((f"segment\N{NO-BREAK SPACE}{number}", text) for number, text in segments(record)),
     ]
     return Section("At a glance", table=Table((), [row for row in rows if row[1]]))
 

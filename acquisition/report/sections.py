@@ -129,12 +129,13 @@ def focus_and_lamps(drawing: Drawing) -> Section | None:
     if not frames:
         return None
     start_ns, figures = frames[0].line.mono_ns, []
-    _, sharpness = _checked(frames, "sharpness")
-    if len(sharpness) == len(frames):
-        usual = _sharpness_of_lights(frames, sharpness)
+    alike = _of_one_exposure(frames)
+    _, sharpness = _checked(alike, "sharpness")
+    if len(sharpness) == len(alike):
+        usual = _sharpness_of_lights(alike, sharpness)
         name = "sharpness" if usual is None else "sharpness, relative"
         shown = sharpness if usual is None else sharpness / usual
-        plots.plot_sharpness(drawing.folder / "sharpness.png", _minutes(frames, start_ns), shown, name)
+        plots.plot_sharpness(drawing.folder / "sharpness.png", _minutes(alike, start_ns), shown, name)
         by_light = "" if usual is None else ", relative to what its light's direction explains"
         figures.append(
             Figure("sharpness.png", f"sharpness of each frame{by_light}; a steady fall is a focus that drifts")
@@ -256,6 +257,12 @@ def _checked(frames: Sequence[Frame], name: str) -> tuple[list[int], F64]:
 
 def _minutes(frames: Sequence[Frame], start_ns: int) -> F64:
     return np.array([(frame.line.mono_ns - start_ns) / 60e9 for frame in frames], np.float64)
+
+
+def _of_one_exposure(frames: Sequence[Frame]) -> list[Frame]:
+    """Choose the exposure that is nearest to the rig's own: darker frames look sharper by their noise."""
+    nearest = min((frame.line.exposure_ev for frame in frames), key=abs)
+    return [frame for frame in frames if frame.line.exposure_ev == nearest]
 
 
 def _sharpness_of_lights(frames: Sequence[Frame], sharpness: F64) -> F64 | None:

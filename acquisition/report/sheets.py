@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from acquisition.report.cells import Cell, Colour, Flag
+from acquisition.report.cells import Cell, Colour, Flag, pose_words
 from acquisition.report.lettering import fitted, font, write
 from acquisition.report.record import Fate
+from litrig.base.capture_folder.capture import Role
 from litrig.base.contact_sheet import BACKGROUND, contact_sheet
 from litrig.base.radiometry import U8
 
@@ -124,11 +125,18 @@ def _grid_row(row: Sequence[Cell | None], thumb: Thumb, look: Look) -> U8:
     title = np.full((26, PAGE_PX, 3), BACKGROUND, np.uint8)
     words = f"turntable at {angles_deg.pop():.5g}°" if angles_deg else ""
     title = write(title, [((float(_FRAME_PX), 19.0), words, INK)], 12)
-    turned = [None if cell is None else replace(cell, step=replace(cell.step, angle_deg=None)) for cell in row]
-    cells = contact_sheet([_draw(cell, thumb, look) for cell in turned], look.columns, look.cell_px, GAP_PX)
+    pictures = [_draw(None if cell is None else _light_alone(cell), thumb, look) for cell in row]
+    cells = contact_sheet(pictures, look.columns, look.cell_px, GAP_PX)
     rest_px = PAGE_PX - cells.shape[1]
     filled = cv2.copyMakeBorder(cells, 0, GAP_PX, 0, rest_px, cv2.BORDER_CONSTANT, value=BACKGROUND)
     return np.concatenate([title, np.asarray(filled, np.uint8)])
+
+
+def _light_alone(cell: Cell) -> Cell:
+    """Tell the light in the first line, and exposure and repeat in the second unless there is more to say."""
+    which = pose_words(replace(cell.step, role=Role.FRAME, angle_deg=None, aim=None))
+    light = replace(cell.step, angle_deg=None, exposure_ev=0.0, repeat=0)
+    return replace(cell, step=light, words=cell.words or which)
 
 
 def _draw(cell: Cell | None, thumb: Thumb, look: Look) -> U8:
@@ -146,7 +154,8 @@ def _draw(cell: Cell | None, thumb: Thumb, look: Look) -> U8:
     texts.append(((_FRAME_PX + after_px, float(line_px - 3)), pose, QUIET))
     if cell.words:
         words = fitted(cell.words, width_px, look.letters_px)
-        texts.append(((float(_FRAME_PX), float(2 * line_px - 3)), words, cell.flags[0].colour))
+        colour = cell.flags[0].colour if cell.flags else QUIET
+        texts.append(((float(_FRAME_PX), float(2 * line_px - 3)), words, colour))
     return np.concatenate([drawn, write(captions, texts, look.letters_px)])
 
 
