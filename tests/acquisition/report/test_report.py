@@ -24,6 +24,7 @@ from litrig.base.errors import InputError
 from litrig.base.pictures import read_codes
 from tests.acquisition.report.sessions import Written, turn
 from tests.acquisition.test_session import Bench
+from tests.system.browser import look_at, needs_browser
 
 CAPTURES = Path(__file__).parents[3] / "examples/captures"
 
@@ -195,3 +196,12 @@ def test_a_ptm_session_shows_its_lights_also_those_that_are_missing(tmp_path: Pa
     written = write_report(tmp_path / "s")
     names = {path.name for path in written.page.parent.iterdir()}
     assert {"lights.png", "hemisphere.jpg", "pose_light.png"} <= names
+
+
+@needs_browser
+def test_a_browser_shows_the_report(tmp_path: Path) -> None:
+    write_report(CAPTURES / "relief", tmp_path / "report")
+    shown = look_at(tmp_path / "report" / "index.html", tmp_path)
+    sheet = shown[600:2000]
+    assert sheet.std() > 15, "the contact sheet stands there"
+    assert len(np.unique(sheet.reshape(-1, 3), axis=0)) > 1000
