@@ -200,11 +200,11 @@ def _read_lit_frames(
             # The vectors of an .lp are positions where they are not of length 1, and the width says in what unit.
             listed = replace(listed, positions_mm=listed.vectors)
         capture = pair_lights(capture, listed, lp)
-    capture = at_one_angle(capture, angle_deg)
-    frames = list(capture.having(Role.FRAME))
-    for frame in frames:
+    for frame in capture.having(Role.FRAME):
         if frame.light is None:
             raise InputError(f"{frame.path}: its light is not known; put an .lp file beside it, or name one with --lp")
+    capture = at_one_angle(capture, angle_deg)
+    frames = list(capture.having(Role.FRAME))
     for remark in capture.remarks:
         click.echo(remark, err=True)
     positions = [frame.light_position_mm for frame in frames if frame.light_position_mm is not None]
