@@ -24,7 +24,7 @@ from litrig.base.capture_folder.frame_line import check_frame_lines
 from litrig.base.capture_folder.journal import Entry, Journal, read_journal
 from litrig.base.capture_folder.lock import FolderLock
 from litrig.base.errors import FormatError, InputError
-from litrig.base.files import write_atomically
+from litrig.base.files import TEMPORARY, write_atomically
 from litrig.base.lights import Lights
 from litrig.base.lp import lp_text
 from litrig.base.radiometry import U8
@@ -199,18 +199,22 @@ class CaptureFolderWriter:
         close_bag(self.folder, self._digests, info, self._store)
 
     def _open_bag(self) -> None:
-        """Take the files away that make a bag complete; the last written goes first."""
+        """Take the files away that make a bag complete; only then the journal, which they vouch for, may grow.
+
+        The last written goes first, and for good before the others: what a kill or a power cut leaves in between is
+        an open bag. Beside them may lie what a kill left of such a file under its temporary name.
+        """
         tags = [self.folder / name for name in (layout.TAG_MANIFEST, layout.MANIFEST, layout.BAG_INFO)]
         standing = [tag for tag in tags if tag.exists()]
-        if not standing:
-            return
-        self.record("reopened")
+        remains = sorted(self.folder.glob(TEMPORARY))
         try:
-            for tag in standing:
-                self._store.remove(tag)
-            self._store.sync_folder(self.folder)
+            for path in (*standing, *remains):
+                self._store.remove(path)
+                self._store.sync_folder(self.folder)
         except OSError as error:
             raise InputError(f"{self.folder}: cannot be written ({error.strerror}); check the disk") from error
+        if standing:
+            self.record("reopened")
 
     def _write_thumb(self, name: str, thumbnail: U8) -> None:
         # Convenience, not truth: no fsync, no word of it in the journal, and no session fails for want of one.
