@@ -15,6 +15,7 @@ from litrig.base.files import resolve_inside, write_atomically
 from litrig.base.store import DISK, Store
 
 _CHUNK_BYTES = 1 << 20
+_CHANGED = "changed since the bag was closed"
 
 
 def sha256_of(path: Path) -> str:
@@ -86,7 +87,10 @@ def bag_findings(folder: Path, known: Collection[str] = ()) -> list[str]:
     payload = _entries(folder / layout.MANIFEST, findings)
     named = {**payload, **tags}
     looked_at = sorted(set(named) - set(known))
-    findings += [f"{name}: {finding}" for name in looked_at if (finding := _finding(folder, name, named[name]))]
+    for name in looked_at:
+        if finding := _finding(folder, name, named[name]):
+            doubt = f", or its line in {layout.TAG_MANIFEST}" if name in tags and finding is _CHANGED else ""
+            findings.append(f"{name}: {finding}{doubt}")
     there = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if not path.is_dir()}
     strangers = there - set(named) - {layout.TAG_MANIFEST} - set(known)
     findings += [f"{name}: on the disk, not in the manifest" for name in sorted(strangers)]
@@ -116,7 +120,7 @@ def _finding(folder: Path, name: str, digest: str) -> str:
         path = resolve_inside(folder, name)
         if not path.is_file():
             return "in the manifest, not on the disk"
-        return "" if sha256_of(path) == digest else "changed since the bag was closed"
+        return "" if sha256_of(path) == digest else _CHANGED
     except (LitrigError, OSError, ValueError) as error:
         return str(error)
 

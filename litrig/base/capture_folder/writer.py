@@ -219,9 +219,13 @@ class CaptureFolderWriter:
     def _write_thumb(self, name: str, thumbnail: U8) -> None:
         # Convenience, not truth: no fsync, no word of it in the journal, and no session fails for want of one.
         good, encoded = cv2.imencode(".jpg", cv2.cvtColor(thumbnail, cv2.COLOR_RGB2BGR))
-        with suppress(OSError):
-            if good:
-                self._store.write(self.folder / layout.THUMBS / Path(name).with_suffix(".jpg").name, encoded.tobytes())
+        if good:
+            path = self.folder / layout.THUMBS / Path(name).with_suffix(".jpg").name
+            try:
+                self._store.write(path, encoded.tobytes())
+            except OSError:
+                with suppress(OSError):  # rather none than half of one
+                    self._store.remove(path)
 
 
 def check_free(folder: Path) -> None:
