@@ -110,11 +110,14 @@ def run(
         with suppress(InputError):
             writer.record("stop")
         raise
-    except (RigError, InputError) as error:
+    except (RigError, InputError, OSError) as error:
+        reason = str(error)
+        if isinstance(error, OSError):  # the disk went away between two writes
+            reason = f"{error.filename or writer.folder}: {error.strerror}; check the disk, and that it is there"
         with suppress(InputError):  # a full disk may be why
-            writer.record("hold", reason=str(error))
+            writer.record("hold", reason=reason)
         raise HoldError(
-            f"{error}. The rig is on hold; the frames so far are safe, and litrig capture resume {writer.folder} "
+            f"{reason}. The rig is on hold; the frames so far are safe, and litrig capture resume {writer.folder} "
             "shoots the others"
         ) from error
 

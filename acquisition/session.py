@@ -169,7 +169,7 @@ def _go_on(
         if not todo:
             if not layout.is_closed(folder):
                 with CaptureFolderWriter.reopen(folder, lock) as writer:
-                    writer.close(exported_lights(folder), frozen.about)
+                    _close(writer, frozen.about)
             return True
         rig = held.enter_context(open_rig(used, use=_needed(todo, used), environment=environment))
         check_plan(todo, rig)
@@ -207,8 +207,17 @@ class _Course:
                     writer.describe(about.ending(_now()))
                 return False
         if close:
-            writer.close(exported_lights(writer.folder), about)
+            _close(writer, about)
         return True
+
+
+def _close(writer: CaptureFolderWriter, about: Description) -> None:
+    try:
+        writer.close(exported_lights(writer.folder), about)
+    except (InputError, OSError) as error:
+        raise InputError(
+            f"{error}. Every frame is safe; litrig capture resume {writer.folder} closes the session then"
+        ) from error
 
 
 def exported_lights(folder: Path) -> Lights | None:
