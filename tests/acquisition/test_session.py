@@ -119,8 +119,9 @@ def test_a_bad_frame_is_shot_again_and_never_acknowledged(
 def test_a_frozen_camera_stops_the_session_with_the_frames_so_far(bench: Bench) -> None:
     frozen = picture()
     bench.paint = lambda: frozen
-    with pytest.raises(HoldError, match=r"step 1: after 3 tries .* the camera is frozen"):
+    with pytest.raises(HoldError, match=r"step 0: after 3 tries .* the camera is frozen"):
         bench.shoot(AmcPlan(8))
+    assert [recall["steps"] for recall in bench.journal("recall")] == [[0]], "that picture may be of another pose"
     assert len(bench.journal("frame")) == 1
     assert len(bench.journal("hold")) == 1
     assert bench.rig.state is RigState.HOLD
