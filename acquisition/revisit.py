@@ -30,6 +30,8 @@ NEAR_DEG = 1e-6
 ENOUGH_DEG = 5.0
 """A frame that is nearer to the first makes a ruler only until another one comes."""
 SAME_POSE_DEG = 0.1
+UNLIKE = 8.0
+"""A change is no slip if it is so many times (squared) what the slip would make."""
 STRAIGHT_DEG = 15.0
 """A ruler that is so long may be off by half."""
 FARTHEST_DEG = 90.0
@@ -116,13 +118,20 @@ class Revisits:
         if not least_deg < FARTHEST_DEG:
             return ""
         along = (float(np.sum(change * ruler)) - count * variance / (2 * between_deg)) / length
-        if abs(slip_deg := along - turned_deg) > least_deg:
-            return f"shows the sample {slip_deg:+.1f}° from where it stood in the first at its pose"
         rest = float(np.sum((change - turned_deg * ruler) ** 2)) - count * variance
         share = math.sqrt(max(rest, 0.0) / max(float(np.sum(first.grey**2)), 1e-6))
-        if share > MOST_OTHERWISE and rest > max(count * variance, (OTHERWISE * least_deg) ** 2 * length):
-            return f"differs from the first at its pose by {100 * share:.0f} %"
-        return ""
+        differs = f"differs from the first at its pose by {100 * share:.0f} %"
+        slip_deg = along - turned_deg
+        if abs(slip_deg) > least_deg:
+            # A change that is mostly of another kind is no slip, whatever it makes along the ruler.
+            is_slip = rest < UNLIKE * slip_deg**2 * length
+            return (
+                f"shows the sample {slip_deg:+.1f}° from where it stood in the first at its pose"
+                if is_slip
+                else differs
+            )
+        is_large = rest > max(count * variance, (OTHERWISE * least_deg) ** 2 * length)
+        return differs if is_large and share > MOST_OTHERWISE else ""
 
 
 def _alike(step: Step, other: Step) -> bool:

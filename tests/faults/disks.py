@@ -2,12 +2,13 @@
 
 import errno
 import random
+import resource
 import shutil
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from acquisition.plans import Step
@@ -20,11 +21,15 @@ from litrig.base.errors import HoldError, LitrigError
 from litrig.base.store import DISK
 from tests.faults.disk_states import Operation, RecordingStore
 from tests.faults.fake_sessions import FakeRig, quick_folder
+from tests.faults.host import small_disk
 from tests.faults.outcome import Outcome, Scale
 from tests.faults.power_cut import AIM
+from tests.faults.real_sessions import Session, frames_in, quick_sim, wait_until
+from tests.system.command import litrig
 
 STEPS = tuple(Step(number, angle_deg=20.0 * number, aim=AIM) for number in range(4))
 SESSION = "s"
+HOLD = 3
 
 
 class FullDisk(RecordingStore):
@@ -228,13 +233,20 @@ def fault_44_bit_rot(campaign: Scale) -> Outcome:
         payload = [path for path in files if path.is_relative_to(folder / layout.FRAMES)]
         for path in payload:
             _flip(path, chance)
+        for command in (("amc", "build"), ("ptm", "fit")):
+            result = litrig(*command, folder, "-o", root / "out.amc.ktx2" if command[0] == "amc" else root / "out.ptm")
+            wrong += result.returncode != 1 or not any(path.name in result.stderr for path in payload)
+            wrong += any(root.glob("out*"))
+            trials += 1
         (folder / "data" / "new").mkdir()
         (folder / "data" / "new" / "a.txt").write_text("a")
         (folder / layout.SESSION).unlink()
         names = [path.relative_to(folder).as_posix() for path in payload]
         wrong += not _is_named(folder, [*names, "data/new/a.txt", layout.SESSION])
         trials += 1
-    return Outcome(trials, wrong, f"{len(files)} files, every harm found by name", passed=wrong == 0)
+    return Outcome(
+        trials, wrong, f"{len(files)} files, every harm found by name; no fit takes a rotten frame", passed=wrong == 0
+    )
 
 
 def _is_named(folder: Path, names: Sequence[str]) -> bool:
@@ -307,3 +319,31 @@ except LitrigError as error:
 
 def _rival(folder: Path) -> list[str]:
     return [sys.executable, "-c", _RIVAL, str(folder)]
+
+
+def fault_34_command_on_a_full_disk(campaign: Scale) -> Outcome:
+    """A disk of 4 MB fills up, or files may not grow, while the command shoots: status 3; with space again, resumed."""
+    wrong = list[str]()
+    with small_disk("rw") as disk, quick_sim("amc") as sim:
+        if disk is None:
+            return Outcome(0, 0, "not tried: needs the right to mount", passed=True)
+        for trial in range(campaign.trials):
+            session, ballast = Session(sim, "amc", disk / f"s{trial}"), disk / "ballast"
+            process = session.begin()
+            wait_until(lambda s=session, n=1 + trial % 5: frames_in(s.folder) >= n, process)  # type: ignore[misc]
+            if trial % 2:
+                resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (2000, resource.RLIM_INFINITY))
+            else:
+                with suppress(OSError):
+                    ballast.write_bytes(bytes(5_000_000))
+            status = session.end(process)
+            session.note_what_is_safe()
+            if status != HOLD or "Traceback" in session.error or "on hold" not in session.error:
+                wrong.append(f"status {status}: {session.error[-200:]}")
+            wrong += session.lost()
+            ballast.unlink(missing_ok=True)
+            wrong += [] if session.finish() == 0 else [session.error[-200:]]
+            wrong += session.flaws()
+            shutil.rmtree(session.folder)
+    detail = "on hold with status 3, nothing lost, resumed to a verified bag"
+    return Outcome(campaign.trials, len(wrong), "; ".join([detail, *wrong[:3]]), passed=not wrong)

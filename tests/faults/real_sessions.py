@@ -5,7 +5,7 @@ import subprocess
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -34,9 +34,36 @@ FRAMES = {"amc": 8, "ptm": 6, "dome": 8}
 PATIENCE_S = 120.0
 
 
+_SHARED: dict[str, RunningSim] = {}
+
+
+@contextmanager
+def sharing_sims() -> Iterator[None]:
+    """Let cases within have the same simulated rigs, mended in between, where they want nothing special of them."""
+    with ExitStack() as running:
+        _SHARED.update({kind: running.enter_context(_started(kind, {})) for kind in ("amc",)})
+        try:
+            yield
+        finally:
+            _SHARED.clear()
+
+
 @contextmanager
 def quick_sim(kind: str, **changes: Mapping[str, Any]) -> Iterator[RunningSim]:
     """Run a rig whose pictures are small and whose moves are quick."""
+    if changes or kind not in _SHARED:
+        with _started(kind, changes) as sim:
+            yield sim
+        return
+    try:
+        yield _SHARED[kind]
+    finally:
+        for what in ("camera.mend", "turntable.mend"):
+            _SHARED[kind].side_channel.request(what)
+
+
+@contextmanager
+def _started(kind: str, changes: Mapping[str, Mapping[str, Any]]) -> Iterator[RunningSim]:
     scene = {**SCENES[kind], **{key: {**SCENES[kind].get(key, {}), **value} for key, value in changes.items()}}
     with simulated_rig(SimConfig.model_validate(scene)) as sim:
         text = sim.rig_toml.read_text("utf-8")
