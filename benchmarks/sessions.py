@@ -4,8 +4,6 @@ import statistics
 from collections.abc import Sequence
 from pathlib import Path
 
-from acquisition.dome_plan import DomePlan
-from acquisition.plans import AmcPlan, Plan, PtmPlan
 from acquisition.session import capture
 from acquisition.session_info import SessionInfo
 from benchmarks.measure import Comparison
@@ -14,6 +12,7 @@ from firmware_sim.launch import RunningSim, simulated_rig
 from litrig.base.capture_folder import layout
 from litrig.base.capture_folder.journal import Entry, read_journal
 from rig.config import read_rig
+from tests.faults.step_plans import lamps_of_dome, lights_of_arm, turn
 
 ROUNDS = 3
 LAMPS = 24
@@ -48,8 +47,8 @@ def comparisons(folder: Path) -> list[Comparison]:
 def _session(sim: RunningSim, what: str, folder: Path) -> tuple[float, float]:
     """Shoot one, and return how long it took, and how long its moves, settles and exposures."""
     config = read_rig(sim.rig_toml)
-    lamps = () if config.lights is None else config.lights.directions_deg
-    plan: Plan = AmcPlan(16) if what.startswith("AMC") else DomePlan(LAMPS, lamps) if lamps else PtmPlan(8)
+    has_dome = config.lights is not None and config.lights.directions_deg
+    plan = turn(16) if what.startswith("AMC") else lamps_of_dome(config) if has_dome else lights_of_arm(8)
     assert capture(config, plan, folder, SessionInfo("bench"), environment=sim.environment)
     entries = read_journal(folder / layout.JOURNAL)
     frames = [entry for entry in entries if entry["ev"] == "frame"]

@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from acquisition.dome_plan import DomePlan
 from acquisition.events import FrameTaken, RunEvent
-from acquisition.plans import AmcPlan, Plan, PtmPlan, Step
+from acquisition.plans import Plan, Step
 from acquisition.runner import Policy
 from acquisition.session import Operator, capture, resume
 from acquisition.session_info import SessionInfo
@@ -24,17 +23,17 @@ from firmware_sim.scene.pose import Pose
 from firmware_sim.scene.sensor import Exposure, Sensor
 from firmware_sim.side_channel import SideChannel
 from litrig.base.capture_folder import layout
-from litrig.base.capture_folder.capture import Role
 from litrig.base.capture_folder.journal import Entry, read_journal
 from litrig.base.capture_folder.reader import good_frames
 from litrig.base.capture_folder.verify import verify_capture
 from litrig.base.errors import HoldError
 from litrig.base.pictures import decode_codes
 from rig.config import RigConfig, read_rig
-from tests.faults.fake_sessions import FakeRig, StepsPlan, jpeg, painted, quick_folder
+from tests.faults.fake_sessions import FakeRig, jpeg, painted, quick_folder
 from tests.faults.outcome import Outcome, Scale
 from tests.faults.power_cut import AIM
 from tests.faults.real_sessions import quick_sim
+from tests.faults.step_plans import lamps_of_dome, lights_of_arm, turn, turn_with_revisits
 
 IMPATIENT = Policy(wait_s=0.2)
 TIMEOUT_S = 1.5
@@ -145,9 +144,7 @@ def fault_24_dead_lamps(campaign: Scale) -> Outcome:
     wrong = trials = false_alarms = clean = 0
     lamps = 24
     with quick_sim("dome", dome={"lamps": lamps}) as sim, folders() as names:
-        directions = read_rig(sim.rig_toml).lights
-        assert directions is not None
-        plan = DomePlan(lamps, directions.directions_deg)
+        plan = lamps_of_dome(read_rig(sim.rig_toml))
         for _ in range(max(1, campaign.trials // 50)):
             false_alarms += sum(entry["ev"] == "retry" for entry in Watched(sim, plan, next(names)).run().entries)
             clean += lamps
@@ -169,7 +166,7 @@ def fault_24_dead_lamp_of_the_arm(campaign: Scale) -> Outcome:
     """The lamp on the arm dies at each pose of a PTM session: on hold before that frame counts, and never otherwise."""
     wrong = trials = false_alarms = clean = 0
     with quick_sim("ptm") as sim, folders() as names:
-        arm_plan = PtmPlan(6)
+        arm_plan = lights_of_arm(6)
         clean_run = Watched(sim, arm_plan, next(names)).run()
         false_alarms += sum(entry["ev"] == "retry" for entry in clean_run.entries)
         clean += len(clean_run.good)
@@ -191,11 +188,11 @@ def fault_25_frozen_camera(campaign: Scale) -> Outcome:
     with quick_sim("amc") as sim, folders() as names:
         for trial in range(campaign.trials):
             place = trial % 8
-            session = Watched(sim, AmcPlan(8), next(names), {place: asked("camera.freeze")}).run()
+            session = Watched(sim, turn(8), next(names), {place: asked("camera.freeze")}).run()
             sim.side_channel.request("camera.mend")
             wrong += "the camera is frozen" not in session.hold or len(session.good) > place
             wrong += len({entry["sha256"] for entry in session.good}) != len(session.good)
-            wrong += not Watched(sim, AmcPlan(8), session.folder).run(again=True).is_whole()
+            wrong += not Watched(sim, turn(8), session.folder).run(again=True).is_whole()
     return Outcome(campaign.trials, wrong, "on hold before one counts, resumed to a verified bag", passed=wrong == 0)
 
 
@@ -208,7 +205,7 @@ def fault_26_pictures_show_their_poses(campaign: Scale) -> Outcome:
         light = scene.light([Pose(180 * place / slices, 0, 0, 1)], size)
         truths[place] = sensor.expose(light, Exposure(0.01, 0, 5000, 0)).astype(np.float32)
     with quick_sim("amc") as sim, folders() as names:
-        session = Watched(sim, AmcPlan(slices), next(names)).run()
+        session = Watched(sim, turn(slices), next(names)).run()
         wrong = 0
         for entry in session.good:
             path = session.folder / entry["file"]
@@ -218,29 +215,19 @@ def fault_26_pictures_show_their_poses(campaign: Scale) -> Outcome:
     return Outcome(slices, wrong, f"{slices} slices, each nearest to its own truth of {2 * slices}", passed=wrong == 0)
 
 
-def turn_with_revisits(slices: int, every: int) -> tuple[Step, ...]:
-    """Shoot a turn and look at the first slice again after so many, and at the end of the turn."""
-    steps: list[Step] = []
-    for place in range(slices):
-        if place and place % every == 0:
-            steps.append(Step(len(steps), Role.CLOSURE, angle_deg=0.0))
-        steps.append(Step(len(steps), angle_deg=360 * place / slices))
-    return (*steps, Step(len(steps), Role.CLOSURE, angle_deg=360.0))
-
-
 def fault_27_late_pictures(campaign: Scale) -> Outcome:
     """From some frame on the camera hands over the picture before: found when the first is looked at again."""
     wrong = trials = 0
-    steps = turn_with_revisits(12, EVERY)
+    plan = turn_with_revisits(12, EVERY)
     with quick_sim("amc") as sim, folders() as names:
         for trial in range(campaign.trials):
             place = 1 + trial % 11
-            session = Watched(sim, StepsPlan(steps), next(names), {place: asked("camera.lag", frames=30)}).run()
+            session = Watched(sim, plan, next(names), {place: asked("camera.lag", frames=30)}).run()
             sim.side_channel.request("camera.mend")
             shot = [entry["file"] for entry in session.entries if entry["ev"] == "frame"]
             late, counts = set(shot[place:]), {entry["file"] for entry in session.good}
             wrong += not session.hold or bool(late & counts) or len(late) > EVERY + 1
-            again = Watched(sim, StepsPlan(steps), session.folder).run(again=True)
+            again = Watched(sim, plan, session.folder).run(again=True)
             wrong += not again.is_whole()
             trials += 1
     detail = "found at the next look, the frames since called back and shot again"
@@ -253,7 +240,7 @@ def fault_28_over_exposed(campaign: Scale) -> Outcome:
     with quick_sim("amc") as sim, folders() as names:
         for exposure_ms in (10.0, 40.0, 80.0)[: max(2, campaign.trials)]:
             changes = {"camera": {"exposure_ms": exposure_ms, "timeout_s": TIMEOUT_S}}
-            session = Watched(sim, AmcPlan(8), next(names), changes=changes).run()
+            session = Watched(sim, turn(8), next(names), changes=changes).run()
             for entry in session.good:
                 is_over = entry["checks"]["clipped"] > 0.05
                 wrong += is_over != any("clipped" in remark for remark in entry.get("remarks", []))
@@ -270,10 +257,10 @@ def fault_29_drifting_settings(campaign: Scale) -> Outcome:
         for trial in range(campaign.trials):
             changed = controls[trial % len(controls)]
             place = 1 + trial // len(controls) % 7
-            session = Watched(sim, AmcPlan(8), next(names), {place: asked("camera.drift", **changed)}).run()
+            session = Watched(sim, turn(8), next(names), {place: asked("camera.drift", **changed)}).run()
             wrong += "the camera's settings changed" not in session.hold
             wrong += len({str(entry["camera"]) for entry in session.good}) != 1 or len(session.good) > place
-            wrong += not Watched(sim, AmcPlan(8), session.folder).run(again=True).is_whole()
+            wrong += not Watched(sim, turn(8), session.folder).run(again=True).is_whole()
     return Outcome(campaign.trials, wrong, "on hold, 0 frames mixed, resumed to a verified bag", passed=wrong == 0)
 
 
@@ -282,7 +269,7 @@ def fault_30_camera_lost_for_a_moment(campaign: Scale) -> Outcome:
     wrong = 0
     with quick_sim("amc") as sim, folders() as names:
         for trial in range(campaign.trials):
-            session = Watched(sim, AmcPlan(8), next(names), {trial % 8: _unplug_for(0.1 + 0.05 * (trial % 5))}).run()
+            session = Watched(sim, turn(8), next(names), {trial % 8: _unplug_for(0.1 + 0.05 * (trial % 5))}).run()
             shot = [entry for entry in session.entries if entry["ev"] == "frame"]
             wrong += bool(session.hold) or len(shot) != 8 or not session.is_whole()
     return Outcome(campaign.trials, wrong, "goes on by itself, no frame twice", passed=wrong == 0)
@@ -294,11 +281,11 @@ def fault_30_camera_lost_for_good(campaign: Scale) -> Outcome:
     with quick_sim("amc") as sim, folders() as names:
         for trial in range(campaign.trials):
             place = 1 + trial % 7  # before the first it would be refused
-            session = Watched(sim, AmcPlan(8), next(names), {place: asked("camera.unplug")}).run()
+            session = Watched(sim, turn(8), next(names), {place: asked("camera.unplug")}).run()
             sim.side_channel.request("camera.mend")
             tries = sum(entry["ev"] == "reconnect" for entry in session.entries)
             wrong += not session.hold or tries != 3 or len(session.good) != place
-            wrong += not Watched(sim, AmcPlan(8), session.folder).run(again=True).is_whole()
+            wrong += not Watched(sim, turn(8), session.folder).run(again=True).is_whole()
     return Outcome(campaign.trials, wrong, "on hold after three tries, resumed to a verified bag", passed=wrong == 0)
 
 
@@ -321,10 +308,10 @@ def fault_31_hanging_camera(campaign: Scale) -> Outcome:
     with quick_sim("amc") as sim, folders() as names:
         for trial in range(campaign.trials):
             place = trial % 8
-            session = Watched(sim, AmcPlan(8), next(names), {place: asked("camera.hang")}).run()
+            session = Watched(sim, turn(8), next(names), {place: asked("camera.hang")}).run()
             sim.side_channel.request("camera.mend")
             wrong += f"no picture within {TIMEOUT_S:g} s; it hangs" not in session.hold or len(session.good) != place
-            wrong += not Watched(sim, AmcPlan(8), session.folder).run(again=True).is_whole()
+            wrong += not Watched(sim, turn(8), session.folder).run(again=True).is_whole()
     detail = f"on hold {TIMEOUT_S:g} s after the exposure, resumed to a verified bag"
     return Outcome(campaign.trials, wrong, detail, passed=wrong == 0)
 
@@ -349,9 +336,9 @@ def fault_32_cut_pictures(campaign: Scale) -> Outcome:
             wrong += tries != [1, 2, 1] or bool(verify_capture(root / "s").findings)
             trials += 1
     with quick_sim("amc") as sim, folders() as names:
-        session = Watched(sim, AmcPlan(8), next(names), {3: asked("camera.cut", percent=5)}).run()
+        session = Watched(sim, turn(8), next(names), {3: asked("camera.cut", percent=5)}).run()
         wrong += "damaged JPEG" not in session.hold or len(session.good) > 3
         sim.side_channel.request("camera.mend")
-        wrong += not Watched(sim, AmcPlan(8), session.folder).run(again=True).is_whole()
+        wrong += not Watched(sim, turn(8), session.folder).run(again=True).is_whole()
         trials += 1
     return Outcome(trials, wrong, f"{trials} of {trials} rejected", passed=wrong == 0)

@@ -2,9 +2,8 @@
 
 import itertools
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -25,6 +24,7 @@ from litrig.base.store import DISK, Store
 from rig.config import ArmConfig, RigConfig, SpindleLampConfig, TurntableConfig
 from rig.fakes import FakeArm, FakeCamera, FakeClock, FakeLights, FakeTurntable
 from rig.rig import Rig
+from tests.faults.step_plans import StepsPlan
 
 MEMORY = Path("/dev/shm")
 HEIGHT, WIDTH = 48, 64
@@ -37,23 +37,6 @@ def quick_folder() -> Iterator[Path]:
     """Make a folder in memory, where the machine has room there: a sync costs nothing."""
     with tempfile.TemporaryDirectory(dir=MEMORY if MEMORY.is_dir() else None) as name:
         yield Path(name)
-
-
-@dataclass(frozen=True)
-class StepsPlan:
-    """Fits `acquisition.plans.Plan`: steps made by hand."""
-
-    steps: tuple[Step, ...]
-    kind = "steps"
-
-    def __len__(self) -> int:
-        return len(self.steps)
-
-    def __iter__(self) -> Iterator[Step]:
-        return iter(self.steps)
-
-    def parameters(self) -> Mapping[str, Any]:
-        return {"kind": self.kind}
 
 
 def painted(angle_deg: float, shade: float = 1.0) -> U8:

@@ -19,10 +19,10 @@ from firmware_sim.scene.sensor import Exposure, Sensor
 from litrig.base.capture_folder.capture import Role
 from litrig.base.pictures import decode_codes
 from litrig.base.radiometry import U8
-from tests.faults.cameras import EVERY, Watched, asked, folders, turn_with_revisits
-from tests.faults.fake_sessions import StepsPlan
+from tests.faults.cameras import EVERY, Watched, asked, folders
 from tests.faults.outcome import Outcome, Scale
 from tests.faults.real_sessions import quick_sim
+from tests.faults.step_plans import turn_with_revisits
 
 SIZE = (240, 320)
 TOLERANCE_DEG = 0.3
@@ -109,21 +109,21 @@ def fault_11_no_slip(campaign: Scale) -> Outcome:
 def fault_11_slip_in_a_session(campaign: Scale) -> Outcome:
     """The table slips in the middle of a turn: on hold at the next look; what was shot since is shot again, no more."""
     wrong = 0
-    steps = turn_with_revisits(12, EVERY)
-    looks = [step.step for step in steps if step.role is Role.CLOSURE]
+    plan = turn_with_revisits(12, EVERY)
+    looks = [step.step for step in plan if step.role is Role.CLOSURE]
     with quick_sim("amc") as sim, folders() as names:
         for trial in range(campaign.trials):
-            place, slip_deg = 1 + trial * 5 % (len(steps) - 1), SLIPS_DEG[trial % len(SLIPS_DEG)]
+            place, slip_deg = 1 + trial * 5 % (len(plan) - 1), SLIPS_DEG[trial % len(SLIPS_DEG)]
             at = {place: asked("turntable.slip", degrees=slip_deg)}
-            session = Watched(sim, StepsPlan(steps), next(names), at).run()
+            session = Watched(sim, plan, next(names), at).run()
             sim.side_channel.request("turntable.slip", degrees=-slip_deg)
             recalled = [entry["steps"] for entry in session.entries if entry["ev"] == "recall"]
             look = next(step for step in looks if step >= place)
             since = [step for step in range(look + 1) if step > max([-1, *(s for s in looks if s < look)])]
             wrong += recalled != [since] or "slipped" not in session.hold
             before = len(session.entries)
-            again = Watched(sim, StepsPlan(steps), session.folder).run(again=True)
+            again = Watched(sim, plan, session.folder).run(again=True)
             shot = [entry["step"] for entry in again.entries[before:] if entry["ev"] == "frame"]
-            wrong += sorted(shot) != sorted({*since, *range(look + 1, len(steps))}) or not again.is_whole()
+            wrong += sorted(shot) != sorted({*since, *range(look + 1, len(plan))}) or not again.is_whole()
     detail = "flagged at the next look; exactly the frames since were called back and shot again"
     return Outcome(campaign.trials, wrong, detail, passed=wrong == 0)
