@@ -4,7 +4,7 @@ from firmware_sim.server import LINKS_NAME
 from tests.faults.cameras import Watched, asked, folders
 from tests.faults.outcome import Outcome, Scale
 from tests.faults.real_sessions import quick_sim
-from tests.faults.step_plans import turn
+from tests.faults.step_plans import arc
 
 
 def fault_17_unplugged_in_a_session(campaign: Scale) -> Outcome:
@@ -19,13 +19,13 @@ def fault_17_unplugged_in_a_session(campaign: Scale) -> Outcome:
                 changes = {"turntable": {"port": sim.side_channel.status()["wires"]["turntable"]["port"]}}
             place = trial % 8
             at = {place: asked("turntable.unplug")} if place else {1: asked("turntable.unplug")}
-            session = Watched(sim, turn(8), next(names), at, changes).run()
+            session = Watched(sim, arc(8), next(names), at, changes).run()
             port = sim.side_channel.request("turntable.replug")["port"]
             held = session.hold and len(session.good) >= max(place, 1)
             before = session.good
             if trial % 2:
                 changes = {"turntable": {"port": port}}
-            rest = Watched(sim, turn(8), session.folder, changes=changes).run(again=True)
+            rest = Watched(sim, arc(8), session.folder, changes=changes).run(again=True)
             kept = [entry for entry in rest.good if entry in before] == before
             frames = [entry for entry in rest.entries if entry["ev"] == "frame"]
             again += len(frames) - 8

@@ -31,6 +31,11 @@ def turn(slices: int) -> StepsPlan:
     return StepsPlan(tuple(Step(place, angle_deg=360 * place / slices) for place in range(slices)))
 
 
+def arc(count: int) -> StepsPlan:
+    """Shoot poses that are near to each other."""
+    return StepsPlan(tuple(Step(place, angle_deg=10.0 * place) for place in range(count)))
+
+
 def turn_with_revisits(slices: int, every: int) -> StepsPlan:
     """Shoot a turn and look at the first slice again after so many, and at the end of the turn."""
     steps: list[Step] = []

@@ -87,9 +87,8 @@ class CaptureFolderWriter:
             journal = Journal(folder / layout.JOURNAL, store=store)
             digests = {"session_sha256": _sha256(settings), "plan_sha256": _sha256(steps)}
             journal.append("session", object=object_id, **digests)
-            lock = FolderLock(folder)
-            undo.pop_all()
-        return cls(folder, journal, object_id, lock, store)
+            undo.pop_all()  # from its first line on it is a session, which another process may go on with
+        return cls(folder, journal, object_id, FolderLock(folder), store)
 
     @classmethod
     def reopen(cls, folder: Path, lock: FolderLock, *, store: Store = DISK) -> Self:
