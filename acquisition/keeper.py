@@ -112,7 +112,9 @@ class Keeper:
         try:
             codes, quality = self._inspector.inspect(shot.content, shot.ending, "camera", repeats=shot.repeats)
             reason = self._inspector.fault(step, quality)
-            doubts_previous = bool(reason) and quality.same_as_previous and exposed.attempt == 1
+            # Where the camera was seen to repeat itself, the frame before was seen not to be a repetition.
+            is_repetition = bool(reason) and quality.same_as_previous and exposed.attempt == 1
+            doubts_previous = is_repetition and not shot.repeats
         except FormatError as error:
             reason = str(error)
         if reason:
