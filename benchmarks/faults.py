@@ -81,7 +81,7 @@ TEXT = """# Faults: what goes wrong, and what comes of it
 Made by `make faults`: mishaps on the wires, in the devices, on the host and to whole sessions, tried against the
 simulated rig through the very drivers that real hardware uses, and against devices in memory where thousands of
 sessions are needed. "Wrong" counts what must never be: a value, pose or picture accepted that was not so, a frame lost.
-`make test` runs each case on a small scale.
+`make test` runs nearly every case on a small scale.
 
 Last run: Python {python}, {cores} cores, {machine}.
 
