@@ -17,8 +17,8 @@ from litrig.base.files import resolve_inside
 from litrig.base.pictures import decode_codes
 from rig.config import RigConfig
 
-_LOOKED_AT = 4
-"""So many of the first frames are looked at, to find the first of a turn and the one beside it."""
+_LOOKED_AT = 12
+"""So many of the first frames are looked at, to find the first of a turn and one beside it."""
 
 
 def so_far(

@@ -46,10 +46,16 @@ class Exposed:
 
 @dataclass(frozen=True)
 class Rejected:
-    """A picture that does not count, and why."""
+    """A picture that does not count, and why.
+
+    Attributes
+    ----------
+    doubts_previous : it is bit for bit the one before, which was taken at another pose: one of them shows the wrong one
+    """
 
     exposed: Exposed
     reason: str
+    doubts_previous: bool = False
 
 
 @dataclass(frozen=True)
@@ -102,15 +108,18 @@ class Keeper:
         return pending.result()
 
     def _keep(self, exposed: Exposed) -> Kept | Rejected:
-        step, shot = exposed.step, exposed.shot
+        step, shot, doubts_previous = exposed.step, exposed.shot, False
         handed_over_s = time.monotonic()
         try:
-            codes, quality = self._inspector.inspect(shot.content, shot.ending, "camera")
+            codes, quality = self._inspector.inspect(shot.content, shot.ending, "camera", repeats=shot.repeats)
             reason = self._inspector.fault(step, quality)
+            # Where the camera was seen to repeat itself, the frame before was seen not to be a repetition.
+            is_repetition = bool(reason) and quality.same_as_previous and exposed.attempt == 1
+            doubts_previous = is_repetition and not shot.repeats
         except FormatError as error:
             reason = str(error)
         if reason:
-            return Rejected(exposed, reason)
+            return Rejected(exposed, reason, doubts_previous)
         angle_deg = None if exposed.after.turntable is None else exposed.after.turntable.angle_deg
         alarm = self._revisits.judge(step, angle_deg, codes)
         start_s = time.monotonic()

@@ -60,8 +60,12 @@ class Inspector:
         self.ambient_light = ambient_light
         self._previous = b""
 
-    def inspect(self, content: bytes, ending: str, source: str) -> tuple[U8, Quality]:
+    def inspect(self, content: bytes, ending: str, source: str, *, repeats: bool = False) -> tuple[U8, Quality]:
         """Decode a frame whole and measure it.
+
+        Parameters
+        ----------
+        repeats : the camera itself delivered the same just before
 
         Raises
         ------
@@ -70,7 +74,7 @@ class Inspector:
         """
         codes = np.asarray(decode_codes(content, ending, source), np.uint8)
         digest = hashlib.sha256(content).digest()
-        same, self._previous = digest == self._previous, digest
+        same, self._previous = repeats or digest == self._previous, digest
         grey = codes.mean(axis=-1, dtype=np.float32) / 255
         light = float(decode_srgb_codes(codes[::EVERY, ::EVERY]).mean())
         return codes, Quality(float(grey.mean()), light, clipped_share(codes), sharpness(grey), same)

@@ -110,11 +110,14 @@ def run(
         with suppress(InputError):
             writer.record("stop")
         raise
-    except (RigError, InputError) as error:
+    except (RigError, InputError, OSError) as error:
+        reason = str(error)
+        if isinstance(error, OSError):  # the disk went away between two writes
+            reason = f"{error.filename or writer.folder}: {error.strerror}; check the disk, and that it is there"
         with suppress(InputError):  # a full disk may be why
-            writer.record("hold", reason=str(error))
+            writer.record("hold", reason=reason)
         raise HoldError(
-            f"{error}. The rig is on hold; the frames so far are safe, and litrig capture resume {writer.folder} "
+            f"{reason}. The rig is on hold; the frames so far are safe, and litrig capture resume {writer.folder} "
             "shoots the others"
         ) from error
 
@@ -130,6 +133,7 @@ class _Run:
         self._room = Room(writer.folder)
         self._attempts: dict[int, int] = {}
         self._confirmed: set[int] = set()
+        self._last: Step | None = None
         self._taken = 0
 
     def __enter__(self) -> "_Run":
@@ -235,8 +239,10 @@ class _Run:
             return
         if isinstance(fate, Rejected):
             yield self._retry(fate, todo)
+            if fate.doubts_previous:
+                self._doubt_previous(fate, todo)
             return
-        step = fate.taken.step
+        step = self._last = fate.taken.step
         self._taken += 1
         yield fate.taken
         if fate.alarm:
@@ -255,6 +261,17 @@ class _Run:
         self._attempts[step.step] = attempt
         todo.appendleft(step)
         return Retried(step, attempt, rejected.reason)
+
+    def _doubt_previous(self, rejected: Rejected, todo: deque[Step]) -> None:
+        """Shoot the frame before again, too: a camera that repeats itself may have begun with that one."""
+        step, self._last = self._last, None
+        if step is None:
+            return
+        reason = f"step {rejected.exposed.step.step} {rejected.reason}"
+        self._writer.record("recall", steps=[step.step], reason=reason)
+        with suppress(ValueError):
+            self._so_far.since_revisit.remove(step.step)
+        todo.appendleft(step)
 
     def _call_back(self, step: Step, alarm: str) -> None:
         doubtful = [*self._so_far.since_revisit, step.step]

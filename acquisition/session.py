@@ -1,11 +1,11 @@
 """A capture session: begun in an absent folder, resumed from any state, closed as a valid bag."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from acquisition.earlier import so_far
 from acquisition.events import Paused, RunEvent
 from acquisition.instruments import instruments
 from acquisition.least_motion import in_order_of_least_motion
-from acquisition.plans import Plan, Step
+from acquisition.plans import Step
 from acquisition.runner import USUAL, Policy, SoFar, check_plan, run
 from acquisition.segments import check_configuration, segment_settings
 from acquisition.session_info import SessionInfo
@@ -31,6 +31,16 @@ from litrig.base.version import litrig_version
 from rig.config import RigConfig
 from rig.interrupts import Interrupts
 from rig.rig import Rig, open_rig
+
+
+class Planned(Protocol):
+    """What a session asks of a plan: `acquisition.plans.Plan` fits, and so does anything that knows its steps."""
+
+    def __iter__(self) -> Iterator[Step]:
+        """Go through the steps."""
+
+    def parameters(self) -> Mapping[str, Any]:
+        """Return what it was made from, as session.toml has it."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +62,7 @@ NOBODY = Operator()
 
 def capture(
     config: RigConfig,
-    plan: Plan,
+    plan: Planned,
     folder: Path,
     info: SessionInfo,
     *,
@@ -169,7 +179,7 @@ def _go_on(
         if not todo:
             if not layout.is_closed(folder):
                 with CaptureFolderWriter.reopen(folder, lock) as writer:
-                    writer.close(exported_lights(folder), frozen.about)
+                    _close(writer, frozen.about)
             return True
         rig = held.enter_context(open_rig(used, use=_needed(todo, used), environment=environment))
         check_plan(todo, rig)
@@ -207,8 +217,17 @@ class _Course:
                     writer.describe(about.ending(_now()))
                 return False
         if close:
-            writer.close(exported_lights(writer.folder), about)
+            _close(writer, about)
         return True
+
+
+def _close(writer: CaptureFolderWriter, about: Description) -> None:
+    try:
+        writer.close(exported_lights(writer.folder), about)
+    except (InputError, OSError) as error:
+        raise InputError(
+            f"{error}. Every frame is safe; litrig capture resume {writer.folder} closes the session then"
+        ) from error
 
 
 def exported_lights(folder: Path) -> Lights | None:
@@ -258,7 +277,7 @@ def _needed(steps: Iterable[Step], config: RigConfig) -> frozenset[str]:
     return frozenset(parts)
 
 
-def _settings(config: RigConfig, plan: Plan, info: SessionInfo, started: str) -> Mapping[str, Any]:
+def _settings(config: RigConfig, plan: Planned, info: SessionInfo, started: str) -> Mapping[str, Any]:
     return {
         "session": {
             "object": info.object_id,

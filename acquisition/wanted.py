@@ -11,7 +11,7 @@ from litrig.base.capture_folder import layout
 from litrig.base.capture_folder.bag import sha256_of
 from litrig.base.capture_folder.journal import Entry
 from litrig.base.capture_folder.reader import good_frames
-from litrig.base.errors import FormatError
+from litrig.base.errors import FormatError, InputError
 from litrig.base.files import read_limited, resolve_inside
 
 LARGEST_PLAN_BYTES = 2000 * MOST_STEPS
@@ -24,8 +24,13 @@ def read_steps(folder: Path) -> list[Step]:
     Raises
     ------
     InputError, FormatError
-        There is no plan, or a line of it is no step.
+        There is no session, or no plan, or a line of it is no step.
     """
+    if not (folder / layout.JOURNAL).is_file():
+        raise InputError(
+            f"{folder}: holds no session ({layout.JOURNAL} is missing): it ended before anything was shot, or is "
+            "another folder; capture anew, under another name"
+        )
     path = folder / layout.PLAN
     steps = []
     for number, line in enumerate(read_limited(path, LARGEST_PLAN_BYTES).splitlines(), 1):

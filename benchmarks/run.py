@@ -6,7 +6,18 @@ import sys
 import tempfile
 from pathlib import Path
 
-from benchmarks import amc, amc_memory, arm_wires, ptm, relighting, storage, viewing, wires
+from benchmarks import (
+    amc,
+    amc_memory,
+    arm_wires,
+    ptm,
+    relighting,
+    session_memory,
+    sessions,
+    storage,
+    viewing,
+    wires,
+)
 from benchmarks.measure import table
 
 TEXT = """# Benchmarks
@@ -29,6 +40,10 @@ Pictures under many lights are needed all at once. Past the budget they lie in a
 mapped counts here too.
 
 {ptm_memory}
+
+A session holds one frame at a time, and the journal only while it is resumed.
+
+{session_memory}
 """
 
 
@@ -43,9 +58,11 @@ def main() -> None:
             *storage.comparisons(folder),
             *wires.comparisons(),
             *arm_wires.comparisons(),
+            *sessions.comparisons(folder),
         ]
         peaks = amc_memory.report(folder)
         ptm_peaks = ptm.memory(folder)
+        session = session_memory.report(folder / "long")
     page = TEXT.format(
         python=platform.python_version(),
         cores=os.cpu_count(),
@@ -53,6 +70,7 @@ def main() -> None:
         table=table(rows),
         memory=peaks,
         ptm_memory=ptm_peaks,
+        session_memory=session,
     )
     Path(sys.argv[1]).write_text(page, encoding="utf-8")
     sys.stdout.write(page)

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import Field, validate_call
 
-from firmware_sim.camera.shared_frame import SharedFrame
+from firmware_sim.camera.shared_frame import LONGEST_LAG, SharedFrame
 from firmware_sim.devices import Devices
 from firmware_sim.dynamixel.config import Baud, Degrees, TurntableFaults
 from firmware_sim.dynamixel.control_table import Register
@@ -181,8 +181,39 @@ def camera_faults(shared: SharedFrame) -> dict[str, Handler]:
 
         return turn
 
-    return {
-        "camera.hang": switch("hang"),
-        "camera.unplug": switch("unplugged"),
-        "camera.freeze": switch("frozen"),
-    }
+    @validate_call
+    def lag(frames: Annotated[int, Field(ge=0, le=LONGEST_LAG)]) -> Answer:
+        """Hand over what was taken so many frames ago, as if it were new."""
+        shared["lag_frames"] = frames
+        return {}
+
+    @validate_call
+    def cut(percent: Annotated[int, Field(ge=0, le=100)]) -> Answer:
+        """Lose the end of each picture."""
+        shared["lost_percent"] = percent
+        return {}
+
+    @validate_call
+    def drift(
+        gain: Annotated[int, Field(ge=0, le=100)] | None = None,
+        exposure_100us: Annotated[int, Field(ge=1, le=5000)] | None = None,
+        white_balance_k: Annotated[int, Field(ge=2800, le=6500)] | None = None,
+        focus: Annotated[int, Field(ge=0, le=255)] | None = None,
+    ) -> Answer:
+        """Change controls behind the client's back."""
+        wanted = {"gain": gain, "exposure_100us": exposure_100us, "white_balance_k": white_balance_k, "focus": focus}
+        for name, value in wanted.items():
+            if value is not None:
+                shared[name] = value
+        return {}
+
+    @validate_call
+    def mend() -> Answer:
+        """Be well again; controls stay as they are."""
+        for name in ("hang", "unplugged", "frozen", "lag_frames", "lost_percent"):
+            shared[name] = 0
+        return {}
+
+    switches = {"hang": switch("hang"), "unplug": switch("unplugged"), "freeze": switch("frozen")}
+    handlers: dict[str, Handler] = {**switches, "lag": lag, "cut": cut, "drift": drift, "mend": mend}
+    return {f"camera.{name}": handler for name, handler in handlers.items()}

@@ -5,6 +5,7 @@ It is apart from the wires, so that a servo answers in time while a picture is c
 
 import argparse
 import os
+from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -13,7 +14,7 @@ import cv2
 import numpy as np
 
 from firmware_sim.camera.encode import encode
-from firmware_sim.camera.shared_frame import SharedFrame, Wish
+from firmware_sim.camera.shared_frame import LONGEST_LAG, SharedFrame, Wish
 from firmware_sim.child import Requests, wait_for_the_parent
 from firmware_sim.clock import Clock, monotonic_s
 from firmware_sim.config import CameraSim, ReliefScene, SimConfig
@@ -91,6 +92,7 @@ class Studio:
         self._auto = AutoExposure()
         self._last: tuple[object, F32] | None = None
         self._picture = b""
+        self._taken: deque[bytes] = deque(maxlen=LONGEST_LAG + 1)
         self._number = 0
         self._next_s = 0.0
         self._period_s = 0.0
@@ -134,10 +136,16 @@ class Studio:
         self._hand_over(shot, poses, shot.start_s)
 
     def _hand_over(self, shot: Shot, poses: list[Pose], stamp_s: float) -> None:
-        picture = self._take(shot, poses)
+        picture = self._spoil(self._take(shot, poses))
         self._number += 1
         self._stream, self._stamp_s = shot.wish.stream, stamp_s
         self._shared.publish(picture, shot.wish.stream, self._number, stamp_s)
+
+    def _spoil(self, picture: bytes) -> bytes:
+        """Hand over what was taken some frames ago instead, or not all of it, if the camera is to do so."""
+        self._taken.append(picture)
+        late = self._taken[max(0, len(self._taken) - 1 - self._shared["lag_frames"])]
+        return late[: len(late) - round(len(late) * self._shared["lost_percent"] / 100)]
 
     def _begin(self) -> Shot:
         """Wait for the shutter, and only then look what the client wants: a control set before it counts."""

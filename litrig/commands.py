@@ -91,6 +91,8 @@ def run() -> int:
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is stopped; impatience must not change the exit status
         return _fail("interrupted", INTERRUPTED_STATUS)
     except OSError as error:
+        if isinstance(error.__context__, KeyboardInterrupt):  # the terminal that click says so to was closed
+            return _fail("interrupted", INTERRUPTED_STATUS)
         return _fail_on_system(error, output)
     except SystemExit:
         # A command's own status; or a pipe broke, for which click leaves with 1 and wraps the streams. The commands

@@ -41,6 +41,7 @@ class Shot:
     ending : what the file should end in, with the dot
     exposed_from_s, exposed_to_s : the earliest start and the latest end of the exposure, on the rig's clock
     settings : what the camera says it was set to
+    repeats : it is bit for bit what the camera delivered just before; noise allows that of black pictures only
     """
 
     content: bytes
@@ -48,6 +49,7 @@ class Shot:
     exposed_from_s: float
     exposed_to_s: float
     settings: Mapping[str, float | str] = field(default_factory=dict)
+    repeats: bool = False
 
 
 class Turntable(Protocol):

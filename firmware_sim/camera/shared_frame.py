@@ -19,11 +19,14 @@ HEADER_BYTES = 4096
 LARGEST_PICTURE_BYTES = 1280 * 720 * 2
 """Room for one picture; a YUYV picture of the largest size fills it."""
 TOTAL_BYTES = HEADER_BYTES + LARGEST_PICTURE_BYTES
+LONGEST_LAG = 30
+"""By how many frames a picture may come late, if it is to."""
 MJPG, YUYV = (int.from_bytes(name, "little") for name in (b"MJPG", b"YUYV"))
 
 _C_TYPES = {"I": "uint32_t", "i": "int32_t", "Q": "uint64_t"}
 FIELDS = (
     ("magic", "I"), ("hang", "I"), ("unplugged", "I"), ("frozen", "I"), ("best_focus", "i"),
+    ("lag_frames", "I"), ("lost_percent", "I"),
     ("streaming", "I"), ("stream", "I"), ("pixel_format", "I"), ("width", "I"), ("height", "I"), ("fps", "I"),
     ("brightness", "i"), ("gain", "i"), ("exposure_auto", "i"), ("exposure_100us", "i"),
     ("white_balance_auto", "i"), ("white_balance_k", "i"), ("focus_auto", "i"), ("focus", "i"),

@@ -128,7 +128,8 @@ class GrblController:
         self._back_s = self._machine.now_s + seconds
 
     def mend(self) -> None:
-        """Mend switches and shafts, and close the door."""
+        """Mend switches, shafts and lamp, and close the door."""
+        self.lamp.is_dead = False
         self._catch_up()
         for axis in self._axes:
             self.block_shaft(axis, blocked=False)

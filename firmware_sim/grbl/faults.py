@@ -83,13 +83,20 @@ def grbl_faults(name: str, wire: FaultyWire) -> dict[str, Handler]:
         return {}
 
     @validate_call
+    def lamp_dead(dead: bool = True) -> Answer:
+        """Let the lamp on the spindle output shine no more, or again."""
+        controller.lamp.is_dead = dead
+        return {}
+
+    @validate_call
     def mend() -> Answer:
-        """Mend switches, shafts and cable."""
+        """Mend switches, shafts, lamp and cable."""
         wire.clear()
         controller.mend()
         return {}
 
-    handlers = (switches, mute, garble, delay, duplicate, drop_byte, stall, lose_steps, door, power_loss, mend)
+    wire_mishaps = (mute, garble, delay, duplicate, drop_byte)
+    handlers = (switches, *wire_mishaps, stall, lose_steps, door, power_loss, lamp_dead, mend)
     return {f"{name}.{handler.__name__}": handler for handler in handlers}
 
 

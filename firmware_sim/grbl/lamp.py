@@ -29,6 +29,7 @@ class Lamp:
 
     def __init__(self, now_s: float) -> None:
         self._changes: list[tuple[float, float]] = [(now_s, 0.0)]
+        self.is_dead = False
 
     @property
     def power(self) -> float:
@@ -41,5 +42,7 @@ class Lamp:
             self._changes = [*self._changes[old:], (now_s, power)]
 
     def power_at(self, time_s: float) -> float:
-        """Fraction of full power at any time of the last seconds."""
+        """Fraction of full power at any time of the last seconds; none of it becomes light in a lamp that is dead."""
+        if self.is_dead:
+            return 0.0
         return self._changes[max(0, bisect_right(self._changes, (time_s, 2.0)) - 1)][1]

@@ -3,8 +3,8 @@
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import Protocol
+from contextlib import contextmanager, suppress
+from typing import IO, Any, Protocol, cast
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, TaskID, TextColumn, TimeRemainingColumn
@@ -39,8 +39,28 @@ def reporting() -> Iterator[Reporter]:
         TimeRemainingColumn(),
         TextColumn("{task.fields[note]}", style="dim"),
     ]
-    with Bars(*columns, console=console) as bars:
+    calm = Console(file=cast(IO[str], _StaysCalm(sys.stderr)))
+    with Bars(*columns, console=calm) as bars:
         yield _BarPerJob(bars)
+
+
+class _StaysCalm:
+    """A stream that goes quiet when it cannot be written: a terminal that is closed must not end the job in it."""
+
+    def __init__(self, stream: IO[str]) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        with suppress(OSError):
+            self._stream.write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        with suppress(OSError):
+            self._stream.flush()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
 
 
 class _BarPerJob:
@@ -97,9 +117,12 @@ class PlainLines:
 
 
 def _confirmed(what: str) -> bool:
-    sys.stderr.write(f"{what}: ")
-    sys.stderr.flush()
-    return bool(sys.stdin.readline())
+    try:
+        sys.stderr.write(f"{what}: ")
+        sys.stderr.flush()
+        return bool(sys.stdin.readline())
+    except OSError:  # nobody is there any more
+        return False
 
 
 def _time_left(progress: Progress, elapsed_s: float) -> str:

@@ -15,6 +15,8 @@ from pathlib import Path
 from litrig.base.errors import InputError
 from litrig.base.store import DISK, Store
 
+TEMPORARY = ".*-*.part*"
+"""What temporary names look like, as a pattern of `Path.glob`; a kill may leave a file under one."""
 _temporary_numbers = itertools.count()
 
 

@@ -69,6 +69,7 @@ class V4l2Camera:
             answer["exposed_from_s"],
             answer["exposed_to_s"],
             answer["settings"],
+            answer["repeats"],
         )
 
     def close(self) -> None:

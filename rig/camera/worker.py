@@ -79,25 +79,34 @@ class OpenedCamera:
         return settings
 
     def capture(self, not_before_s: float, exposure_ms: float) -> tuple[Answer, bytes]:
-        """Throw away stale frames until one was exposed after the given instant, for that long; return it."""
+        """Throw away stale frames until one was exposed after the given instant, for that long; return it.
+
+        Noise makes each picture another one: `repeats` tells one that is bit for bit that which came before it.
+        """
         if exposure_ms != self._exposure_ms:
             not_before_s = max(not_before_s, self._expose_for(exposure_ms))
-        exposure_s = exposure_ms / 1000
+        exposure_s, before = exposure_ms / 1000, None
         for _ in range(_MOST_STALE_FRAMES):
-            if not self._capture.grab():
-                raise WorkerError("delivers no picture any more; check the cable, then start again")
             # Some drivers stamp the start of the exposure, others its end: only what holds for both counts.
-            stamp_s = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000
-            if stamp_s - exposure_s > not_before_s:
+            stamp_s, picture = self._next()
+            if before is not None and stamp_s - exposure_s > not_before_s:
                 break
+            before = picture
         else:
             raise WorkerError("delivers only pictures from before it was asked; its time stamps are not monotonic time")
+        repeats = before is not None and np.array_equal(picture, before)
+        times = {"exposed_from_s": stamp_s - exposure_s, "exposed_to_s": stamp_s + exposure_s}
+        return {**times, "repeats": repeats, "settings": self._settings()}, self._encode(picture)
+
+    def _next(self) -> tuple[float, np.ndarray[Any, Any]]:
+        """Return the next picture of the stream and its time stamp."""
+        if not self._capture.grab():
+            raise WorkerError("delivers no picture any more; check the cable, then start again")
+        stamp_s = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000
         good, picture = self._capture.retrieve()
         if not good:
             raise WorkerError("delivers a damaged picture; check the cable")
-        content = self._encode(np.asarray(picture))
-        times = {"exposed_from_s": stamp_s - exposure_s, "exposed_to_s": stamp_s + exposure_s}
-        return {**times, "settings": self._settings()}, content
+        return stamp_s, np.asarray(picture)
 
     def _expose_for(self, exposure_ms: float) -> float:
         """Change the exposure time, and return from when on it holds: what is under way ends as it began."""

@@ -1,5 +1,6 @@
 """Sessions on devices in memory: what counts, what is retried, and what stops the rig."""
 
+import errno
 import itertools
 from collections.abc import Callable
 from pathlib import Path
@@ -10,9 +11,12 @@ import simplejpeg
 
 from acquisition.events import FrameTaken, Paused, RunEvent
 from acquisition.plans import Plan, amc_plan, ptm_plan
+from acquisition.room import Room
 from acquisition.runner import check_plan, run
+from acquisition.wanted import read_steps
 from litrig.base.capture_folder import layout
 from litrig.base.capture_folder.journal import Journal, read_journal
+from litrig.base.capture_folder.verify import verify_capture
 from litrig.base.capture_folder.writer import CaptureFolderWriter
 from litrig.base.errors import HoldError, InputError
 from rig.config import ArmConfig, RigConfig, TurntableConfig
@@ -20,6 +24,9 @@ from rig.errors import LinkTimeoutError, OutOfRangeError, RigError
 from rig.fakes import FakeArm, FakeCamera, FakeClock, FakeLights, FakeTurntable
 from rig.interrupts import StopNow
 from rig.rig import Rig, RigState
+from tests.faults.disks import STEPS as SMALL
+from tests.faults.disks import FullDisk
+from tests.faults.fake_sessions import FakeRig
 
 COUNTER = itertools.count()
 
@@ -112,8 +119,9 @@ def test_a_bad_frame_is_shot_again_and_never_acknowledged(
 def test_a_frozen_camera_stops_the_session_with_the_frames_so_far(bench: Bench) -> None:
     frozen = picture()
     bench.paint = lambda: frozen
-    with pytest.raises(HoldError, match=r"step 1: after 3 tries .* the camera is frozen"):
+    with pytest.raises(HoldError, match=r"step 0: after 3 tries .* the camera is frozen"):
         bench.shoot(amc_plan(8))
+    assert [recall["steps"] for recall in bench.journal("recall")] == [[0]], "that picture may be of another pose"
     assert len(bench.journal("frame")) == 1
     assert len(bench.journal("hold")) == 1
     assert bench.rig.state is RigState.HOLD
@@ -200,3 +208,37 @@ def test_a_homing_that_breaks_off_leaves_the_position_unknown(bench: Bench, monk
     with pytest.raises(StopNow):
         bench.rig.home()
     assert not bench.rig.position_known
+
+
+def test_a_folder_that_vanishes_between_two_frames_holds_the_rig(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    def gone(room: Room, frame_bytes: int, frames_left: int) -> None:
+        raise FileNotFoundError(errno.ENOENT, "No such file or directory", str(bench.folder))
+
+    monkeypatch.setattr(Room, "check", gone)
+    with pytest.raises(HoldError, match=rf"{bench.folder}: No such file.*check the disk"):
+        bench.shoot(amc_plan(8))
+    assert bench.rig.state is RigState.HOLD
+    assert len(bench.journal("hold")) == 1
+
+
+def test_resuming_what_never_was_a_session_says_what_to_do(tmp_path: Path) -> None:
+    (tmp_path / "data" / "frames").mkdir(parents=True)
+    with pytest.raises(InputError, match=r"holds no session .*ended before anything was shot.*capture anew"):
+        read_steps(tmp_path)
+
+
+def test_a_session_whose_bag_cannot_be_closed_says_that_its_frames_are_safe(tmp_path: Path) -> None:
+    rig = FakeRig(FullDisk(10**6, 1))
+    store = rig.store
+    assert isinstance(store, FullDisk)
+    folder = tmp_path / "s"
+
+    def fill(entry: dict[str, object]) -> None:
+        if entry["ev"] == "close":
+            store.first = 0
+
+    rig.acknowledged = fill
+    with pytest.raises(InputError, match=rf"No space left.*Every frame is safe; litrig capture resume {folder} closes"):
+        rig.capture(SMALL, folder)
+    FakeRig().resume(folder)
+    assert verify_capture(folder).findings == ()

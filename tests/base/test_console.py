@@ -1,9 +1,11 @@
+import os
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
-from litrig.base.console import PlainLines
+from litrig.base.console import PlainLines, reporting
 from litrig.base.progress import Progress
 
 
@@ -29,3 +31,18 @@ class Unbuffered:
 
     def flush(self) -> None:
         pass
+
+
+def test_a_terminal_that_is_closed_does_not_end_the_job(monkeypatch: pytest.MonkeyPatch) -> None:
+    master, slave = os.openpty()
+    with os.fdopen(slave, "w") as terminal:
+        monkeypatch.setattr(sys, "stderr", terminal)
+        monkeypatch.setenv("TERM", "xterm")
+        with reporting() as report:
+            report(Progress("shooting", 1, 3))
+            os.close(master)
+            report(Progress("shooting", 3, 3))
+            assert not report.ask("put the card there")
+        monkeypatch.undo()
+        with suppress(OSError):
+            terminal.close()

@@ -117,7 +117,7 @@ def fault_35_read_only_folder(campaign: Scale) -> Outcome:
     if os.getuid() != 0:
         return Outcome(0, 0, NOT_ROOT, passed=True)
     wrong = 0
-    with _small_disk("ro") as disk, simulated_rig(SimConfig()) as sim:
+    with small_disk("ro") as disk, simulated_rig(SimConfig()) as sim:
         if disk is None:
             return Outcome(0, 0, "not tried: needs the right to mount", passed=True)
         before_deg = sim.side_channel.status()["turntable_deg"]
@@ -137,7 +137,7 @@ def fault_35_disk_too_small(campaign: Scale) -> Outcome:
     if os.getuid() != 0:
         return Outcome(0, 0, NOT_ROOT, passed=True)
     wrong = 0
-    with _small_disk("rw") as disk:
+    with small_disk("rw") as disk:
         if disk is None:
             return Outcome(0, 0, "not tried: needs the right to mount", passed=True)
         for _ in range(campaign.trials):
@@ -197,7 +197,7 @@ def _port_of_root() -> Iterator[str]:
 
 
 @contextmanager
-def _small_disk(mode: str) -> Iterator[Path | None]:
+def small_disk(mode: str) -> Iterator[Path | None]:
     """Mount a disk of 4 MB; None where that is not allowed."""
     with tempfile.TemporaryDirectory() as folder:
         mount = ["mount", "-t", "tmpfs", "-o", f"{mode},size=4m", "tmpfs", folder]

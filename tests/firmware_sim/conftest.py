@@ -105,8 +105,7 @@ def sphere(sphere_rig: RunningSim) -> Iterator[RunningSim]:
     """The brushed sphere's rig, mended after each test."""
     yield sphere_rig
     channel = sphere_rig.side_channel
-    for fault in ("camera.hang", "camera.unplug", "camera.freeze"):
-        channel.request(fault, on=False)
+    channel.request("camera.mend")
     channel.request("turntable.mend")
     channel.request("arm.switches", fault="none")
 

@@ -126,7 +126,8 @@ def test_one_interrupt_pauses_a_session_and_keeps_its_frames(sphere_sim: Running
     process.send_signal(signal.SIGINT)
     _, error = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 130
-    assert "paused; the frames so far are safe" in error
+    assert "they are safe in" in error
+    assert f"litrig capture resume {folder} goes on" in error
     assert 2 <= len(read_capture(folder).frames) < 64
 
 

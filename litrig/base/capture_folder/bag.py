@@ -3,18 +3,19 @@
 import hashlib
 import logging
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 
 import bagit
 
 from litrig.base.capture_folder import layout
-from litrig.base.errors import LitrigError
+from litrig.base.errors import InputError, LitrigError
 from litrig.base.files import resolve_inside, write_atomically
 from litrig.base.store import DISK, Store
 
 _CHUNK_BYTES = 1 << 20
+_CHANGED = "changed since the bag was closed"
 
 
 def sha256_of(path: Path) -> str:
@@ -34,11 +35,17 @@ def close_bag(folder: Path, known_digests: Mapping[str, str], info: Mapping[str,
     known_digests : sha256 by path relative to the folder, of files that are never rewritten: read once when they were
         stored, and not again
     info : what to say in bag-info.txt besides date and size
+
+    Raises
+    ------
+    InputError
+        The disk is full or gone; the bag is not complete then.
     """
     payload = sorted(path for path in (folder / "data").rglob("*") if path.is_file())
-    digests = {}
-    for path in payload:
-        name = path.relative_to(folder).as_posix()
+    digests = {path.relative_to(folder).as_posix(): "" for path in payload}
+    others = [path for path, name in zip(payload, digests, strict=True) if name not in known_digests]
+    _make_durable(others, store)
+    for path, name in zip(payload, digests, strict=True):
         digests[name] = known_digests.get(name) or sha256_of(path)
     size = sum(path.stat().st_size for path in payload)
     lines = {
@@ -51,6 +58,19 @@ def close_bag(folder: Path, known_digests: Mapping[str, str], info: Mapping[str,
     write_atomically(folder / layout.BAG_INFO, about.encode(), store=store)
     tags = {name: sha256_of(folder / name) for name in (layout.BAGIT, layout.BAG_INFO, layout.MANIFEST)}
     write_atomically(folder / layout.TAG_MANIFEST, _manifest(tags), store=store)
+
+
+def _make_durable(paths: Iterable[Path], store: Store) -> None:
+    """Sync what was written without: a manifest must not promise what a power cut can still take back."""
+    above = set()
+    try:
+        for path in paths:
+            store.sync(path)
+            above.add(path.parent)
+        for folder in sorted(above):
+            store.sync_folder(folder)
+    except OSError as error:
+        raise InputError(f"{error.filename}: cannot be made durable ({error.strerror}); check the disk") from error
 
 
 def bag_findings(folder: Path, known: Collection[str] = ()) -> list[str]:
@@ -67,7 +87,10 @@ def bag_findings(folder: Path, known: Collection[str] = ()) -> list[str]:
     payload = _entries(folder / layout.MANIFEST, findings)
     named = {**payload, **tags}
     looked_at = sorted(set(named) - set(known))
-    findings += [f"{name}: {finding}" for name in looked_at if (finding := _finding(folder, name, named[name]))]
+    for name in looked_at:
+        if finding := _finding(folder, name, named[name]):
+            doubt = f", or its line in {layout.TAG_MANIFEST}" if name in tags and finding is _CHANGED else ""
+            findings.append(f"{name}: {finding}{doubt}")
     there = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if not path.is_dir()}
     strangers = there - set(named) - {layout.TAG_MANIFEST} - set(known)
     findings += [f"{name}: on the disk, not in the manifest" for name in sorted(strangers)]
@@ -97,7 +120,7 @@ def _finding(folder: Path, name: str, digest: str) -> str:
         path = resolve_inside(folder, name)
         if not path.is_file():
             return "in the manifest, not on the disk"
-        return "" if sha256_of(path) == digest else "changed since the bag was closed"
+        return "" if sha256_of(path) == digest else _CHANGED
     except (LitrigError, OSError, ValueError) as error:
         return str(error)
 

@@ -52,6 +52,7 @@ class Journal:
             entries, self._size = read_whole_lines(path)
             self._seq = len(entries)
             self.torn_bytes = path.stat().st_size - self._size
+        self._is_torn = self.torn_bytes > 0
 
     def append(self, event: str, **fields: Any) -> Entry:
         """Write one entry and wait until it is durable.
@@ -78,21 +79,29 @@ class Journal:
             self._write(line)
         except OSError as error:
             with suppress(OSError):
-                self._store.cut(self._path, self._size)  # half a line would hide the lines behind it
+                self._cut()  # half a line would hide the lines behind it
             raise InputError(f"{self._path}: cannot be written ({error.strerror}); free space on that disk") from error
         self._size += len(line)
         self._seq += 1
+        self._is_torn = False
         return entry
 
     def _write(self, line: bytes) -> None:
-        if self.torn_bytes:
-            self._store.cut(self._path, self._size)
-            self.torn_bytes = 0
+        if self._is_torn:
+            self._cut()
+        # Also an interrupt may come between here and the end: then the next entry cuts off what there is.
+        self._is_torn = True
         self._store.append(self._path, line)
         self._store.sync(self._path)
         if self._is_new:
             self._store.sync_folder(self._path.parent)
             self._is_new = False
+
+    def _cut(self) -> None:
+        """Cut off what lies behind the last whole line."""
+        if self._path.exists():
+            self._store.cut(self._path, self._size)
+        self._is_torn, self.torn_bytes = False, 0
 
 
 def encode_entry(entry: Mapping[str, Any]) -> bytes:

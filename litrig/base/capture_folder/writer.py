@@ -24,7 +24,7 @@ from litrig.base.capture_folder.frame_line import check_frame_lines
 from litrig.base.capture_folder.journal import Entry, Journal, read_journal
 from litrig.base.capture_folder.lock import FolderLock
 from litrig.base.errors import FormatError, InputError
-from litrig.base.files import write_atomically
+from litrig.base.files import TEMPORARY, write_atomically
 from litrig.base.lights import Lights
 from litrig.base.lp import lp_text
 from litrig.base.radiometry import U8
@@ -87,9 +87,8 @@ class CaptureFolderWriter:
             journal = Journal(folder / layout.JOURNAL, store=store)
             digests = {"session_sha256": _sha256(settings), "plan_sha256": _sha256(steps)}
             journal.append("session", object=object_id, **digests)
-            lock = FolderLock(folder)
-            undo.pop_all()
-        return cls(folder, journal, object_id, lock, store)
+            undo.pop_all()  # from its first line on it is a session, which another process may go on with
+        return cls(folder, journal, object_id, FolderLock(folder), store)
 
     @classmethod
     def reopen(cls, folder: Path, lock: FolderLock, *, store: Store = DISK) -> Self:
@@ -199,25 +198,33 @@ class CaptureFolderWriter:
         close_bag(self.folder, self._digests, info, self._store)
 
     def _open_bag(self) -> None:
-        """Take the files away that make a bag complete; the last written goes first."""
+        """Take the files away that make a bag complete; only then the journal, which they vouch for, may grow.
+
+        The last written goes first, and for good before the others: what a kill or a power cut leaves in between is
+        an open bag. Beside them may lie what a kill left of such a file under its temporary name.
+        """
         tags = [self.folder / name for name in (layout.TAG_MANIFEST, layout.MANIFEST, layout.BAG_INFO)]
         standing = [tag for tag in tags if tag.exists()]
-        if not standing:
-            return
-        self.record("reopened")
+        remains = sorted(self.folder.glob(TEMPORARY))
         try:
-            for tag in standing:
-                self._store.remove(tag)
-            self._store.sync_folder(self.folder)
+            for path in (*standing, *remains):
+                self._store.remove(path)
+                self._store.sync_folder(self.folder)
         except OSError as error:
             raise InputError(f"{self.folder}: cannot be written ({error.strerror}); check the disk") from error
+        if standing:
+            self.record("reopened")
 
     def _write_thumb(self, name: str, thumbnail: U8) -> None:
         # Convenience, not truth: no fsync, no word of it in the journal, and no session fails for want of one.
         good, encoded = cv2.imencode(".jpg", cv2.cvtColor(thumbnail, cv2.COLOR_RGB2BGR))
-        with suppress(OSError):
-            if good:
-                self._store.write(self.folder / layout.THUMBS / Path(name).with_suffix(".jpg").name, encoded.tobytes())
+        if good:
+            path = self.folder / layout.THUMBS / Path(name).with_suffix(".jpg").name
+            try:
+                self._store.write(path, encoded.tobytes())
+            except OSError:
+                with suppress(OSError):  # rather none than half of one
+                    self._store.remove(path)
 
 
 def check_free(folder: Path) -> None:

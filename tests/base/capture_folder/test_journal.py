@@ -1,3 +1,4 @@
+import errno
 import subprocess
 import sys
 from pathlib import Path
@@ -7,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from litrig.base.capture_folder.journal import Journal, decode_entry, encode_entry, read_journal
-from litrig.base.errors import FormatError
+from litrig.base.errors import FormatError, InputError
+from litrig.base.store import DiskStore
 
 scalars = st.none() | st.booleans() | st.integers(-(2**53), 2**53) | st.floats(allow_nan=False, allow_infinity=False)
 leaves = scalars | st.text()
@@ -71,3 +73,55 @@ except InputError as error:
     assert "journal.jsonl: cannot be written" in message
     assert [entry["step"] for entry in read_journal(path)] == list(range(int(written)))
     assert path.read_bytes().endswith(b"\n")
+
+
+class FailingStore(DiskStore):
+    """Writes half a line, and then cannot even shorten the file, until the disk is mended."""
+
+    is_broken = False
+
+    def append(self, path: Path, content: bytes) -> None:
+        if not self.is_broken:
+            super().append(path, content)
+            return
+        super().append(path, content[: len(content) // 2])
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    def cut(self, path: Path, size: int) -> None:
+        if self.is_broken:
+            raise OSError(errno.EIO, "Input/output error")
+        super().cut(path, size)
+
+
+def test_half_a_line_that_could_not_be_taken_back_is_cut_off_by_the_next(tmp_path: Path) -> None:
+    path, store = tmp_path / "journal.jsonl", FailingStore()
+    journal = Journal(path, store=store)
+    journal.append("one")
+    store.is_broken = True
+    for _ in range(2):
+        with pytest.raises(InputError, match="cannot be written"):
+            journal.append("lost")
+    store.is_broken = False
+    journal.append("two")
+    assert [(entry["seq"], entry["ev"]) for entry in read_journal(path)] == [(0, "one"), (1, "two")]
+
+
+class InterruptedStore(DiskStore):
+    """A Ctrl-C comes when a line is written and not yet synced."""
+
+    interrupts = True
+
+    def sync(self, path: Path) -> None:
+        if self.interrupts:
+            raise KeyboardInterrupt
+        super().sync(path)
+
+
+def test_a_line_that_was_interrupted_does_not_share_its_number_with_the_next(tmp_path: Path) -> None:
+    path, store = tmp_path / "journal.jsonl", InterruptedStore()
+    journal = Journal(path, store=store)
+    with pytest.raises(KeyboardInterrupt):
+        journal.append("interrupted")
+    store.interrupts = False
+    journal.append("stop")
+    assert [(entry["seq"], entry["ev"]) for entry in read_journal(path)] == [(0, "stop")]

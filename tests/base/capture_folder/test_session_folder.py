@@ -16,12 +16,14 @@ from rocrate.rocrate import ROCrate
 from litrig.base.capture_folder import layout
 from litrig.base.capture_folder.crate import Description
 from litrig.base.capture_folder.journal import encode_entry, read_journal
+from litrig.base.capture_folder.lock import FolderLock
 from litrig.base.capture_folder.reader import read_capture
 from litrig.base.capture_folder.verify import verify_capture
 from litrig.base.capture_folder.writer import CaptureFolderWriter
 from litrig.base.errors import FormatError, InputError
 from litrig.base.lights import Lights
 from litrig.base.lp import read_lp
+from tests.faults.disk_states import RecordingStore
 
 
 def jpeg(brightness: int) -> bytes:
@@ -308,3 +310,33 @@ def test_a_frame_that_was_called_back_counts_no_longer_until_it_is_shot_again(tm
         writer.record("recall", steps=[1, 2], reason="slipped")
         writer.add_frame("2_try2.jpg", jpeg(50), thumb, step=2, verdict="good")
     assert [frame.path.name for frame in read_capture(tmp_path / "s").frames] == ["0.jpg", "2_try2.jpg"]
+
+
+def test_what_a_kill_left_of_a_tag_file_is_taken_away_when_the_session_goes_on(tmp_path: Path) -> None:
+    shoot(tmp_path / "s", close=False)
+    (tmp_path / "s" / ".123-4.part.txt").write_text("half a manifest")
+    with CaptureFolderWriter.reopen(tmp_path / "s", FolderLock(tmp_path / "s")) as writer:
+        writer.close(None, Description("1", "2026-01-01T00:00:00+00:00"))
+    assert verify_capture(tmp_path / "s").findings == ()
+
+
+def test_a_closed_bag_is_opened_before_its_journal_grows(tmp_path: Path) -> None:
+    shoot(tmp_path / "s")
+    before = (tmp_path / "s" / layout.JOURNAL).read_bytes()
+    store = RecordingStore()
+    with CaptureFolderWriter.reopen(tmp_path / "s", FolderLock(tmp_path / "s"), store=store):
+        pass
+    kinds = [operation.kind for operation in store.operations]
+    assert kinds[:3] == ["remove", "sync_folder", "remove"], "the tag manifest goes first, and for good"
+    assert kinds.index("append") > max(place for place, kind in enumerate(kinds) if kind == "remove")
+    assert (tmp_path / "s" / layout.JOURNAL).read_bytes() != before
+
+
+def test_a_manifest_vouches_only_for_what_is_durable(tmp_path: Path) -> None:
+    shoot(tmp_path / "s", close=False)
+    store = RecordingStore()
+    with CaptureFolderWriter.reopen(tmp_path / "s", FolderLock(tmp_path / "s"), store=store) as writer:
+        writer.close(None, Description("1", "2026-01-01T00:00:00+00:00"))
+    synced = {operation.path for operation in store.operations if operation.kind in ("sync", "sync_folder")}
+    thumbs = tmp_path / "s" / layout.THUMBS
+    assert {thumbs, *thumbs.iterdir()} <= synced
