@@ -17,7 +17,7 @@ from rig.options import RECORD, RIG
 
 if TYPE_CHECKING:
     from acquisition.plans import Plan, Step
-    from acquisition.session import Operator
+    from acquisition.session import Operator, Outlook
     from litrig.base.progress import Report
     from rig.config import RigConfig
 
@@ -140,18 +140,10 @@ def resume(folder: Path, rig_toml: Path | None, new_segment: bool, yes: bool) ->
     Nothing is deleted: a picture that was shot but never acknowledged stays where it is, and is named.
     """
     from acquisition.session import resume as resume_session
-    from acquisition.wanted import missing_steps, orphans, read_steps
-    from litrig.base.capture_folder import layout
-    from litrig.base.capture_folder.journal import read_journal
     from rig.config import read_rig
 
     config = None if rig_toml is None else read_rig(rig_toml)
-    wanted, entries = read_steps(folder), read_journal(folder / layout.JOURNAL)
-    missing = missing_steps(folder, wanted, entries)
-    for orphan in orphans(folder, entries):
-        click.echo(f"{folder}: {orphan}: shot, but never acknowledged; left as it is", err=True)
-    click.echo(f"{folder}: {len(missing)} of {len(wanted)} steps to shoot", err=True)
-    with _watched(folder.name, missing, yes) as operator:
+    with _watched(folder, yes) as operator:
         complete = resume_session(folder, config, new_segment=new_segment, operator=operator)
     _end(folder, complete)
 
@@ -166,12 +158,10 @@ def resume(folder: Path, rig_toml: Path | None, new_segment: bool, yes: bool) ->
 def retake(folder: Path, steps: tuple[int, ...], rig_toml: Path | None, new_segment: bool, yes: bool) -> None:
     """Shoot steps again. The new frames count from then on; the old ones are kept."""
     from acquisition.session import retake as retake_steps
-    from acquisition.wanted import read_steps
     from rig.config import read_rig
 
     config = None if rig_toml is None else read_rig(rig_toml)
-    todo = [step for step in read_steps(folder) if step.step in steps]
-    with _watched(folder.name, todo, yes) as operator:
+    with _watched(folder, yes) as operator:
         complete = retake_steps(folder, steps, config, new_segment=new_segment, operator=operator)
     _end(folder, complete)
 
@@ -187,6 +177,8 @@ def verify(folder: Path) -> None:
         click.echo(f"litrig: {folder}: {finding}", err=True)
     for orphan in result.orphans:
         click.echo(f"{orphan}: shot, but never acknowledged (harmless)")
+    for harmed in result.harmed:
+        click.echo(f"{harmed}: not as it was shot, as its session found when it was resumed; shot again")
     if result.findings:
         raise SystemExit(1)
     click.echo(f"{folder}: {result.frames} frames, all as they were captured; the bag is valid")
@@ -195,28 +187,36 @@ def verify(folder: Path) -> None:
 def _capture(config: "RigConfig", plan: "Plan", folder: Path, info: SessionInfo, yes: bool = False) -> None:
     from acquisition.session import capture as run_session
 
-    with _watched(info.object_id, plan, yes) as operator:
+    with _watched(folder, yes, info.object_id) as operator:
         complete = run_session(config, plan, folder, info, operator=operator)
     _end(folder, complete)
 
 
 @contextmanager
-def _watched(name: str, steps: "Iterable[Step]", yes: bool) -> "Iterator[Operator]":
+def _watched(folder: Path, yes: bool, name: str = "") -> "Iterator[Operator]":
     """Draw what happens, and ask a person on a terminal."""
     from acquisition.watching import watching
     from litrig.base.console import reporting
 
     foresight = click.get_current_context().find_object(Foresight)
     with reporting() as report:
-        if foresight is not None:
-            foresight.announce(steps, report)
+
+        def expect(outlook: "Outlook") -> None:
+            for orphan in outlook.orphans:
+                click.echo(f"{folder}: {orphan}: shot, but never acknowledged; left as it is", err=True)
+            for harmed in outlook.harmed:
+                click.echo(f"{folder}: {harmed}: gone, or not as it was shot; shot again", err=True)
+            if len(outlook.steps) < outlook.wanted:
+                click.echo(f"{folder}: {len(outlook.steps)} of {outlook.wanted} steps to shoot", err=True)
+            if foresight is not None:
+                foresight.announce(outlook.steps, report)
 
         def ask(what: str) -> bool:
             if yes or not sys.stdin.isatty():
                 return yes
             return report.ask(f"{what}, then press Enter")
 
-        yield watching(f"capture {name}", report, ask)
+        yield watching(f"capture {name or folder.name}", report, ask, expect)
 
 
 def _end(folder: Path, complete: bool) -> None:

@@ -268,14 +268,14 @@ class _Run:
         if step is None:
             return
         reason = f"step {rejected.exposed.step.step} {rejected.reason}"
-        self._writer.record("recall", steps=[step.step], reason=reason)
+        self._writer.recall([step.step], reason)
         with suppress(ValueError):
             self._so_far.since_revisit.remove(step.step)
         todo.appendleft(step)
 
     def _call_back(self, step: Step, alarm: str) -> None:
         doubtful = [*self._so_far.since_revisit, step.step]
-        self._writer.record("recall", steps=doubtful, reason=f"step {step.step} {alarm}")
+        self._writer.recall(doubtful, f"step {step.step} {alarm}")
         raise RigError(
             f"step {step.step} {alarm}: the table slipped, or the sample, the lamps or the camera were moved; the "
             f"{len(doubtful)} frames since the last look are called back. Put everything back as it was"

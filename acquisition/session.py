@@ -17,7 +17,7 @@ from acquisition.plans import Step
 from acquisition.runner import USUAL, Policy, SoFar, check_plan, run
 from acquisition.segments import check_configuration, segment_settings
 from acquisition.session_info import SessionInfo
-from acquisition.wanted import missing_steps, read_steps
+from acquisition.wanted import harmed_files, missing_steps, orphans, read_steps
 from litrig.base.capture_folder import layout
 from litrig.base.capture_folder.capture import Role
 from litrig.base.capture_folder.crate import Description
@@ -44,15 +44,35 @@ class Planned(Protocol):
 
 
 @dataclass(frozen=True)
+class Outlook:
+    """What a session will shoot now.
+
+    Attributes
+    ----------
+    steps : in this order
+    wanted : how many the plan has
+    orphans : files that were shot, but never acknowledged; they stay as they are
+    harmed : files of frames that are gone, or not as they were shot
+    """
+
+    steps: Sequence[Step]
+    wanted: int
+    orphans: Sequence[str] = ()
+    harmed: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
 class Operator:
     """Who watches a session, and what they can be asked.
 
     Attributes
     ----------
+    expect : told what will be shot, before anything moves
     watch : told of everything that happens, with the number of steps to shoot
     ask : has a person do something, and tells whether it was done; False if nobody is there
     """
 
+    expect: Callable[[Outlook], None] = lambda outlook: None
     watch: Callable[[RunEvent, int], None] = lambda event, total: None
     ask: Callable[[str], bool] = lambda what: False
 
@@ -94,6 +114,7 @@ def capture(
     check_object_id(info.object_id)
     started = _now()
     steps = list(plan)
+    operator.expect(Outlook(steps, len(steps)))
     with (
         Interrupts(can_pause=True) as interrupts,
         open_rig(config, use=_needed(steps, config), environment=environment) as rig,
@@ -174,17 +195,21 @@ def _go_on(
         frozen = segment_settings(folder, entries)
         used = config or frozen.config
         changes = check_configuration(folder, frozen.config, used, accept=new_segment)
-        missing = missing_steps(folder, wanted, entries)
+        harmed = harmed_files(folder, entries)
+        missing = missing_steps(wanted, entries, harmed)
         todo = in_order_of_least_motion(missing, used) if again is None else _named(folder, wanted, again)
+        operator.expect(Outlook(todo, len(wanted), orphans(folder, entries), harmed))
         if not todo:
-            if not layout.is_closed(folder):
+            if harmed or not layout.is_closed(folder):
                 with CaptureFolderWriter.reopen(folder, lock) as writer:
+                    _call_back(writer, entries, harmed)
                     _close(writer, frozen.about)
             return True
         rig = held.enter_context(open_rig(used, use=_needed(todo, used), environment=environment))
         check_plan(todo, rig)
         writer = held.enter_context(CaptureFolderWriter.reopen(folder, lock))
         _begin_segment(writer, entries, used if changes else None, changes)
+        _call_back(writer, entries, harmed)
         earlier = so_far(folder, wanted, entries, used, forget_settings=new_segment)
         gaps = {step.step for step in missing} - {step.step for step in todo}
         course = _Course(rig, writer, policy, operator, lambda: interrupts.pause_requested)
@@ -241,6 +266,13 @@ def exported_lights(folder: Path) -> Lights | None:
         return None
     names = tuple(Path(entry["file"]).name for entry in frames)
     return Lights(names, np.array([entry["light"] for entry in frames]))
+
+
+def _call_back(writer: CaptureFolderWriter, entries: Sequence[Entry], harmed: Sequence[str]) -> None:
+    """Take note of files that are not as they were shot, and that their frames count no longer."""
+    if harmed:
+        steps = [entry["step"] for entry in good_frames(entries) if entry["file"] in harmed]
+        writer.recall(steps, "gone from the disk, or not as it was shot", harmed)
 
 
 def _begin_segment(

@@ -1,7 +1,7 @@
 """What a session wants, and what of it is missing."""
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from pathlib import Path
 
 from pydantic import TypeAdapter, ValidationError
@@ -9,7 +9,7 @@ from pydantic import TypeAdapter, ValidationError
 from acquisition.plans import MOST_STEPS, Step
 from litrig.base.capture_folder import layout
 from litrig.base.capture_folder.bag import sha256_of
-from litrig.base.capture_folder.journal import Entry
+from litrig.base.capture_folder.journal import Entry, known_harm
 from litrig.base.capture_folder.reader import good_frames
 from litrig.base.errors import FormatError, InputError
 from litrig.base.files import read_limited, resolve_inside
@@ -44,10 +44,17 @@ def read_steps(folder: Path) -> list[Step]:
     return steps
 
 
-def missing_steps(folder: Path, wanted: Iterable[Step], entries: Iterable[Entry]) -> list[Step]:
+def missing_steps(wanted: Iterable[Step], entries: Iterable[Entry], harmed: Container[str]) -> list[Step]:
     """Return the steps without a good frame that is on the disk as it was shot."""
-    present = {entry["step"] for entry in good_frames(entries) if _is_whole(folder, entry)}
+    present = {entry["step"] for entry in good_frames(entries) if entry["file"] not in harmed}
     return [step for step in wanted if step.step not in present]
+
+
+def harmed_files(folder: Path, entries: Iterable[Entry]) -> list[str]:
+    """Name the files of frames that are gone, or not as they were shot, and that no earlier part knew to be so."""
+    frames = [entry for entry in entries if entry["ev"] == "frame"]
+    known = known_harm(entries)
+    return [entry["file"] for entry in frames if entry["file"] not in known and not _is_whole(folder, entry)]
 
 
 def orphans(folder: Path, entries: Sequence[Entry]) -> list[str]:

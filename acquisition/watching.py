@@ -3,11 +3,16 @@
 from collections.abc import Callable
 
 from acquisition.events import FrameTaken, Retried, RunEvent
-from acquisition.session import Operator
+from acquisition.session import Operator, Outlook
 from litrig.base.progress import Progress, Report
 
 
-def watching(job: str, report: Report, ask: Callable[[str], bool] = lambda what: False) -> Operator:
+def watching(
+    job: str,
+    report: Report,
+    ask: Callable[[str], bool] = lambda what: False,
+    expect: Callable[[Outlook], None] = lambda outlook: None,
+) -> Operator:
     """Return an operator to whom a run is reported as progress of `job`."""
     done = 0
 
@@ -19,7 +24,7 @@ def watching(job: str, report: Report, ask: Callable[[str], bool] = lambda what:
         elif isinstance(event, Retried):
             report(Progress(job, done, total, f"step {event.step.step}, try {event.attempt}: {event.reason}"))
 
-    return Operator(watch, ask)
+    return Operator(expect=expect, watch=watch, ask=ask)
 
 
 def _live_line(event: FrameTaken) -> str:

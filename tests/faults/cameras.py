@@ -59,7 +59,7 @@ class Watched:
     frames: int = 0
 
     def run(self, *, again: bool = False) -> "Watched":
-        operator = Operator(self._watch)
+        operator = Operator(watch=self._watch)
         options: dict[str, Any] = {"operator": operator, "policy": IMPATIENT, "environment": self.sim.environment}
         try:
             self._befall()

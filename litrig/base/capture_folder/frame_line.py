@@ -34,6 +34,7 @@ class _RecallLine(BaseModel):
     """Frames that were good and count no longer."""
 
     steps: list[int]
+    files: list[str] = []
 
 
 _MODELS: dict[str, type[BaseModel]] = {"frame": _FrameLine, "recall": _RecallLine}

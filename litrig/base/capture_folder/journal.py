@@ -8,7 +8,7 @@ import json
 import threading
 import time
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
@@ -143,3 +143,8 @@ def read_whole_lines(path: Path) -> tuple[list[Entry], int]:
     if any(entry is not None for entry in entries[whole:]):
         raise FormatError(f"{path}, line {whole + 1}: damaged in the middle; restore the folder from a copy")
     return [entry for entry in entries[:whole] if entry is not None], sum(map(len, lines[:whole]))
+
+
+def known_harm(entries: Iterable[Entry]) -> set[str]:
+    """Return the files that a journal itself says are not as they were shot: found so, and shot again."""
+    return {file for entry in entries if entry.get("ev") == "recall" for file in entry.get("files", ())}

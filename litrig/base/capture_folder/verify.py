@@ -6,7 +6,7 @@ from pathlib import Path
 from litrig.base.capture_folder import layout
 from litrig.base.capture_folder.bag import bag_findings, sha256_of
 from litrig.base.capture_folder.frame_line import check_frame_lines
-from litrig.base.capture_folder.journal import Entry, read_journal
+from litrig.base.capture_folder.journal import Entry, known_harm, read_journal
 from litrig.base.capture_folder.session_file import vouched_for
 from litrig.base.errors import InputError, LitrigError
 from litrig.base.files import resolve_inside
@@ -22,12 +22,14 @@ class Verification:
     closed : the folder claims to be a complete bag
     findings : all that is wrong, a sentence each; empty if nothing is
     orphans : frame files that no journal line speaks of: shot, but never acknowledged
+    harmed : frame files that are not as they were shot, as the journal says itself: they were shot again
     """
 
     frames: int
     closed: bool
     findings: tuple[str, ...]
     orphans: tuple[str, ...]
+    harmed: tuple[str, ...] = ()
 
 
 def verify_capture(folder: Path) -> Verification:
@@ -47,7 +49,9 @@ def verify_capture(folder: Path) -> Verification:
         journal, wrong[layout.JOURNAL] = [], str(error)
     check_frame_lines(journal, folder / layout.JOURNAL)
     entries = [entry for entry in journal if entry["ev"] == "frame"]
-    wrong |= {entry["file"]: finding for entry in entries if (finding := _frame_finding(folder, entry))}
+    harmed = known_harm(journal)
+    sound = (entry for entry in entries if entry["file"] not in harmed)
+    wrong |= {entry["file"]: finding for entry in sound if (finding := _frame_finding(folder, entry))}
     for file, digest in vouched_for(journal).items():
         if finding := _settings_finding(folder, file, digest):
             wrong[file] = finding
@@ -55,7 +59,8 @@ def verify_capture(folder: Path) -> Verification:
     findings += _tag_findings(folder) or bag_findings(folder, wrong)
     named = {entry["file"] for entry in entries}
     found = {path.relative_to(folder).as_posix() for path in (folder / layout.FRAMES).glob("*")}
-    return Verification(len(entries), layout.is_closed(folder), tuple(findings), tuple(sorted(found - named)))
+    orphans, known = tuple(sorted(found - named)), tuple(sorted(harmed))
+    return Verification(len(entries), layout.is_closed(folder), tuple(findings), orphans, known)
 
 
 def _frame_finding(folder: Path, entry: Entry) -> str:

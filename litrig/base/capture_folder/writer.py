@@ -8,7 +8,7 @@ import hashlib
 import json
 import re
 import shutil
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, Self
@@ -21,7 +21,7 @@ from litrig.base.capture_folder import layout
 from litrig.base.capture_folder.bag import close_bag
 from litrig.base.capture_folder.crate import Description, crate_of
 from litrig.base.capture_folder.frame_line import check_frame_lines
-from litrig.base.capture_folder.journal import Entry, Journal, read_journal
+from litrig.base.capture_folder.journal import Entry, Journal, known_harm, read_journal
 from litrig.base.capture_folder.lock import FolderLock
 from litrig.base.errors import FormatError, InputError
 from litrig.base.files import TEMPORARY, write_atomically
@@ -49,6 +49,7 @@ class CaptureFolderWriter:
         self.object_id = object_id
         self._journal, self._lock, self._store = journal, lock, store
         self._digests: dict[str, str] = {}
+        self._taken: set[str] = set()
 
     @classmethod
     def create(
@@ -110,7 +111,9 @@ class CaptureFolderWriter:
         if not isinstance(object_id, str):
             raise FormatError(f"{path}: does not begin with a session; nothing was shot, capture anew")
         writer = cls(folder, Journal(path, store=store), object_id, lock, store)
-        writer._digests = {entry["file"]: entry["sha256"] for entry in entries if entry["ev"] == "frame"}
+        digests = {entry["file"]: entry["sha256"] for entry in entries if entry["ev"] == "frame"}
+        writer._taken = set(digests)
+        writer._digests = {file: digest for file, digest in digests.items() if file not in known_harm(entries)}
         writer._open_bag()
         return writer
 
@@ -133,12 +136,12 @@ class CaptureFolderWriter:
         return self._journal.append(event, **fields)
 
     def unused_name(self, stem: str, ending: str) -> str:
-        """Return a name below frames/ that no file has, for nothing is ever overwritten, not even what does not count.
+        """Return a name below frames/ that no file has or had, for nothing is ever overwritten, whether it counts or not.
 
         It is the stem with the ending, or with `_try2`, `_try3` and so on before the ending.
         """
         name, attempt = stem + ending, 1
-        while (self.folder / layout.FRAMES / name).exists():
+        while f"{layout.FRAMES}/{name}" in self._taken or (self.folder / layout.FRAMES / name).exists():
             attempt += 1
             name = f"{stem}_try{attempt}{ending}"
         return name
@@ -166,7 +169,19 @@ class CaptureFolderWriter:
         digest = _sha256(content)
         entry = self.record("frame", file=file, bytes=len(content), sha256=digest, **fields)
         self._digests[file] = digest
+        self._taken.add(file)
         return entry
+
+    def recall(self, steps: Sequence[int], reason: str, harmed: Sequence[str] = ()) -> None:
+        """Take note that frames count no longer.
+
+        Parameters
+        ----------
+        harmed : files that are not as they were shot: the bag will vouch for what they are now
+        """
+        self.record("recall", steps=list(steps), reason=reason, **({"files": list(harmed)} if harmed else {}))
+        for file in harmed:
+            self._digests.pop(file, None)
 
     def add_settings(self, name: str, settings: Mapping[str, Any]) -> str:
         """Freeze further settings beside the first, and return their sha256."""

@@ -340,3 +340,25 @@ def test_a_manifest_vouches_only_for_what_is_durable(tmp_path: Path) -> None:
     synced = {operation.path for operation in store.operations if operation.kind in ("sync", "sync_folder")}
     thumbs = tmp_path / "s" / layout.THUMBS
     assert {thumbs, *thumbs.iterdir()} <= synced
+
+
+def test_a_frame_that_rotted_and_was_shot_again_leaves_a_valid_bag_that_says_so(tmp_path: Path) -> None:
+    shoot(tmp_path / "s")
+    changed_frame(tmp_path / "s")
+    (tmp_path / "s" / layout.FRAMES / "000002.jpg").unlink()
+    harmed = [f"{layout.FRAMES}/000001.jpg", f"{layout.FRAMES}/000002.jpg"]
+    with CaptureFolderWriter.reopen(tmp_path / "s", FolderLock(tmp_path / "s")) as writer:
+        writer.recall([1, 2], "not as it was shot", harmed)
+        for step in (1, 2):
+            name = writer.unused_name(f"00000{step}", ".jpg")
+            writer.add_frame(name, jpeg(60 + step), np.zeros((6, 8, 3), np.uint8), step=step, verdict="good")
+        writer.close(None, Description("1", "2026-01-01T00:00:00+00:00"))
+    result = verify_capture(tmp_path / "s")
+    assert result.findings == ()
+    assert result.harmed == tuple(harmed)
+    assert [frame.path.name for frame in read_capture(tmp_path / "s").frames] == [
+        "000000.jpg",
+        "000001_try2.jpg",
+        "000002_try2.jpg",
+    ]
+    assert bagit.Bag(str(tmp_path / "s")).validate()
