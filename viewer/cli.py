@@ -10,7 +10,18 @@ Colour = tuple[float, float, float]
 
 _SIDE_PX = click.IntRange(1, 8192)
 _FOR_A_MESH = frozenset(
-    {"projection", "yaw_deg", "pitch_deg", "fov_deg", "zoom", "background", "supersample", "occlusion", "tangents"}
+    {
+        "projection",
+        "yaw_deg",
+        "pitch_deg",
+        "roll_deg",
+        "fov_deg",
+        "zoom",
+        "background",
+        "supersample",
+        "occlusion",
+        "tangents",
+    }
 )
 
 
@@ -111,6 +122,9 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
     help="Tip its top to the camera.",
 )
 @click.option(
+    "--roll", "roll_deg", metavar="DEG", type=float, default=0.0, help="Turn it about the line of sight, last of all."
+)
+@click.option(
     "--fov", "fov_deg", metavar="DEG", type=float, default=30.0, show_default=True, help="Field of view in perspective."
 )
 @click.option("--zoom", type=float, default=1.0, show_default=True, help="Show it larger.")
@@ -148,6 +162,7 @@ def render(
     projection: str,
     yaw_deg: float,
     pitch_deg: float,
+    roll_deg: float,
     fov_deg: float,
     zoom: float,
     background: Colour | None,
@@ -164,7 +179,7 @@ def render(
     from viewer.staging import AmcStaging, Staging
     from viewer.view import Projection, View
 
-    view = View(Projection(projection), yaw_deg, pitch_deg, fov_deg, zoom)
+    view = View(Projection(projection), yaw_deg, pitch_deg, fov_deg, zoom, roll_deg)
     amc = AmcStaging(directions, turn_deg, Coordinates(coordinates), unlit, key, add)
     staging = Staging(
         *(mesh, light, size_px, view, background, supersample, amc, occlusion, tangents, beside),
