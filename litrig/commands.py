@@ -20,7 +20,7 @@ from litrig.simulated import CHANNEL_VARIABLE, announce
 from processing.amc.cli import amc
 from processing.ptm.cli import ptm
 from rig.cli import rig
-from viewer.cli import render
+from viewer.cli import render, view
 
 INTERRUPTED_STATUS = 130
 OUTPUT_IS_LOST = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EPIPE})
@@ -71,7 +71,7 @@ def demo(folder: Path, scene: str | None, small: bool) -> None:
     click.echo(f"The demo is complete: open {page}")
 
 
-for command in (sim, rig, capture, amc, ptm, render):
+for command in (sim, rig, capture, amc, ptm, render, view):
     cli.add_command(command)
 
 

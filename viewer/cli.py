@@ -197,3 +197,31 @@ def _given_mesh_options() -> tuple[str, ...]:
         for option in context.command.params
         if option.name in _FOR_A_MESH and context.get_parameter_source(option.name) is ParameterSource.COMMANDLINE
     )
+
+
+@click.command(epilog="Example: litrig view brushed.amc.ktx2 --mesh cloth")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option(
+    "--mesh",
+    metavar="NAME|FILE",
+    help="What to show it on at first: torus, sphere, cloth, ribbon, pillow, sewn, shirt, or a file (OBJ, PLY, GLB, "
+    "STL).",
+)
+@click.option("--size", "size_px", metavar="W H", type=(_SIDE_PX, _SIDE_PX), help="Pixels of the picture at first.")
+@click.option(
+    "--snapshots",
+    metavar="DIR",
+    type=click.Path(path_type=Path, file_okay=False, exists=True),
+    default=Path(),
+    help="Where snapshots go; the current folder if left out.",
+)
+def view(file: Path, mesh: str | None, size_px: tuple[int, int] | None, snapshots: Path) -> None:
+    """Show a material in a window: turn it, light it, zoom, try it on other meshes.
+
+    The object turns before a camera and under a light that stand still, for a captured table has its light in it. A
+    PTM's light follows the right mouse button, and without --mesh it is shown flat. Snapshots are the pictures that
+    litrig render makes.
+    """
+    from viewer.window.run import view_file
+
+    view_file(file, mesh, size_px, snapshots)

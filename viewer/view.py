@@ -12,7 +12,7 @@ from processing.reference.camera import Camera
 
 F64 = NDArray[np.float64]
 
-_MARGIN = 1.06
+MARGIN = 1.06
 """The unit sphere, in which the object is, leaves this much room around itself."""
 _DEPTH = 1.05
 
@@ -60,9 +60,9 @@ class View:
         narrow = np.array([shorter / size[0], shorter / size[1]]) * self.zoom
         rotation = _about_z(self.roll_deg) @ _about_x(self.pitch_deg) @ _about_y(self.yaw_deg)
         if self.projection is Projection.ORTHOGRAPHIC:
-            return Camera(rotation, _orthographic(narrow / _MARGIN), None)
+            return Camera(rotation, _orthographic(narrow / MARGIN), None)
         half_fov_rad = math.radians(self.fov_deg) / 2
-        eye_distance = _MARGIN / math.sin(half_fov_rad)
+        eye_distance = MARGIN / math.sin(half_fov_rad)
         return Camera(rotation, _perspective(narrow / math.tan(half_fov_rad), eye_distance), eye_distance)
 
 
