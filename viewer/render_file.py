@@ -38,7 +38,7 @@ def render_file(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
     """
     if holds_material(file) and staging.mesh is None and staging.beside is None:
         return _render_flat(file, output, staging)
-    mesh = _staged_mesh(staging)
+    mesh = staged_mesh(staging)
     with Renderer() as renderer, renderer.upload(mesh_geometry, mesh) as geometry:
         pictures = [_mesh_picture(renderer, file, staging, mesh, geometry)]
         if staging.beside is not None:
@@ -69,7 +69,8 @@ def _staged_beside(staging: Staging) -> Staging:
     return dataclasses.replace(staging, amc=amc, light=staging.light if other and holds_material(other) else None)
 
 
-def _staged_mesh(staging: Staging) -> Mesh:
+def staged_mesh(staging: Staging) -> Mesh:
+    """Make or read the mesh with its grain as it is staged; what a file lacks is said on standard error."""
     mesh, remarks = mesh_of(staging.mesh or DEFAULT_MESH)
     for remark in remarks:
         echo(remark, err=True)

@@ -5,12 +5,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple, Self
 
-from click import echo
-
 from litrig.base.errors import InputError
-from processing.mesh.either import mesh_of
 from processing.reference.camera import Camera
 from viewer.geometry import Geometry, mesh_geometry, whole_picture
+from viewer.render_file import staged_mesh
 from viewer.renderer import Renderer, Size
 from viewer.save import save_rendered
 from viewer.staging import DARK_GREY, Staging
@@ -129,9 +127,7 @@ class Stage:
         if mesh is None and flat_size is not None:
             surface = rectangle(flat_size)
         elif mesh is not None:
-            surface, remarks = mesh_of(mesh)
-            for remark in remarks:
-                echo(remark, err=True)
+            surface = staged_mesh(Staging(mesh))
         else:
             raise InputError(f"{self._material.file}: is no flat picture; name a mesh")
         geometry = self._held_set.enter_context(self._renderer.upload(mesh_geometry, surface))
