@@ -33,7 +33,8 @@ def cli(context: click.Context) -> None:
     """Capture materials with a turntable and a light arm, and show them.
 
     A session goes into a capture folder (litrig capture), the folder becomes a material (litrig amc, litrig ptm), and
-    the material becomes pictures (litrig render). Everything runs without hardware too (litrig sim).
+    the material becomes pictures (litrig render) or is looked at (litrig view). Everything runs without hardware too
+    (litrig sim).
     """
     if channel := os.environ.get(CHANNEL_VARIABLE):
         context.obj = Foresight(lambda steps, report: announce(Path(channel), steps, report))

@@ -57,7 +57,8 @@ class Frame:
         return stays
 
     def _keys(self) -> bool:
-        if imgui.get_io().want_text_input:
+        # Whoever types a number, or chooses from a list, means that.
+        if imgui.get_io().want_text_input or imgui.is_popup_open("", imgui.PopupFlags_.any_popup):
             return True
         for key in KEYS:
             if imgui.is_key_pressed(getattr(imgui.Key, key.name), key.repeats):
@@ -104,7 +105,9 @@ class Frame:
 
 
 def dress() -> None:
-    """Make imgui dark and plain."""
+    """Make imgui dark and plain, and leave the arrow keys to the picture."""
+    io = imgui.get_io()
+    io.config_flags &= ~imgui.ConfigFlags_.nav_enable_keyboard
     imgui.style_colors_dark()
     style = imgui.get_style()
     style.window_padding = ImVec2(0, 0)

@@ -65,10 +65,20 @@ def _heading(text: str) -> None:
 
 def _mesh(hand: Hand) -> Hand:
     _heading("Mesh")
-    names = ["flat" if mesh is None else Path(mesh).name for mesh in hand.meshes]
     imgui.set_next_item_width(-1)
-    changed, chosen = imgui.combo("##mesh", hand.meshes.index(hand.shown.mesh), names)
-    return hand.on_mesh(hand.meshes[chosen]) if changed else hand
+    if imgui.begin_combo("##mesh", _mesh_name(hand.shown.mesh)):
+        for mesh in hand.meshes:
+            chosen, _ = imgui.selectable(_mesh_name(mesh), mesh == hand.shown.mesh)
+            if chosen:
+                hand = hand.on_mesh(mesh)
+        if imgui.is_key_pressed(imgui.Key.escape):
+            imgui.close_current_popup()
+        imgui.end_combo()
+    return hand
+
+
+def _mesh_name(mesh: str | None) -> str:
+    return "flat" if mesh is None else Path(mesh).name
 
 
 def _projection(hand: Hand) -> Hand:

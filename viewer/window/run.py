@@ -87,7 +87,7 @@ class _Window:
         )
         params.renderer_backend_options.open_gl_options.anti_aliasing_samples = 0
         params.callbacks.setup_imgui_style = dress
-        params.callbacks.show_gui = lambda: self._guarded(self._show)
+        params.callbacks.show_gui = self._step
         params.callbacks.before_exit = self._close
         with CapturedErrors() as captured:
 
@@ -99,6 +99,8 @@ class _Window:
             try:
                 hello_imgui.run(params)
             except RuntimeError as error:
+                if self._frame is not None and self._error is None:
+                    raise
                 if self._error is None:
                     raise MissingToolError(_advice(captured.lines(), str(error))) from error
         if self._error is not None:
@@ -118,6 +120,11 @@ class _Window:
         if self._frame is not None and not self._frame.show():
             self._params.app_shall_exit = True
 
+    def _step(self) -> None:
+        self._guarded(self._show)
+        if self._error is not None:  # said here, for before the first frame nobody listens
+            self._params.app_shall_exit = True
+
     def _close(self) -> None:
         self._held.close()
 
@@ -129,7 +136,6 @@ class _Window:
             body()
         except BaseException as error:  # kept, and raised by run
             self._error = error
-            self._params.app_shall_exit = True
 
 
 def _advice(said: list[str], reason: str) -> str:
