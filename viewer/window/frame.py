@@ -96,7 +96,7 @@ class Frame:
         path = self._saving.free_name(ending)
         try:
             self._stage.save(self._hand.shown, self._sized, path)
-        except LitrigError as error:
+        except (LitrigError, OSError) as error:
             self._said = str(error)
             echo(self._said, err=True)
         else:
