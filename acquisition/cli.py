@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from acquisition.compare.cli import diff
 from acquisition.plan_cli import plan
+from acquisition.report.cli import report
 from acquisition.session_info import SessionInfo, session_options
 from rig.options import RECORD, RIG
 
@@ -67,6 +69,8 @@ def capture() -> None:
 
 
 capture.add_command(plan)
+capture.add_command(report)
+capture.add_command(diff)
 
 
 @capture.command(epilog="Example: litrig capture run rig.toml plan.toml -o coin --object coin --operator 'A. Smith'")
@@ -216,6 +220,7 @@ def _watched(name: str, steps: "Iterable[Step]", yes: bool) -> "Iterator[Operato
 
 
 def _end(folder: Path, complete: bool) -> None:
+    from acquisition.consistency import suspects
     from litrig.base.capture_folder import layout
     from litrig.base.capture_folder.journal import read_journal
     from litrig.base.capture_folder.reader import good_frames
@@ -230,3 +235,9 @@ def _end(folder: Path, complete: bool) -> None:
         raise SystemExit(PAUSED_STATUS)
     closed = "closed as a valid bag" if layout.is_closed(folder) else "not closed: others are missing, resume it"
     click.echo(f"{folder}: {frames} frames, {closed}")
+    if found := suspects(folder):
+        others = f", and {len(found) - 1} more" if len(found) > 1 else ""
+        click.echo(
+            f"litrig: {folder}: warning: {found[0]}{others}; check lamps and cables, and look at litrig capture report",
+            err=True,
+        )

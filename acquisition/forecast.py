@@ -20,7 +20,7 @@ ARM_HOMING_S = 2.5
 """To find the switches: two passes and the way off them (measured likewise; it depends on where the arm stands)."""
 UNKNOWN_ARM_MOVE_S = 2.0
 """Of an arm of another package, of which nothing is known."""
-STEP_S = 0.06
+STEP_S = 0.03
 """To decode a frame, judge it and bring it to the disk (measured)."""
 STEP_S_A_MEGAPIXEL = 0.03
 """The same for what a larger picture takes more."""

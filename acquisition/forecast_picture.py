@@ -8,8 +8,8 @@ from rig.sections import CameraSection
 
 USUAL_FPS = 30.0
 """Of a camera whose RIG.toml leaves it as it is."""
-STALE_FRAMES = 1.0
-"""Frame periods until the driver hands out what it already had in its buffer."""
+DELIVERY_FRAMES = 2.0
+"""Frame periods until a frame is read out, transferred and handed on (measured on the simulated camera)."""
 CHANGE_FRAMES = 2.0
 """Frame periods until another exposure time has taken effect, as UVC cameras are known for."""
 BYTES_A_PIXEL = {"MJPG": 0.4, "YUYV": 1.9}
@@ -60,5 +60,5 @@ class Picture:
         """
         exposure_s = float(self.exposure_s * 2.0**exposure_ev)
         period_s = max(self.period_s, exposure_s)
-        waits = 0.5 + STALE_FRAMES + (CHANGE_FRAMES if changed else 0.0)
+        waits = 0.5 + DELIVERY_FRAMES + (CHANGE_FRAMES if changed else 0.0)
         return exposure_s + waits * period_s

@@ -103,6 +103,7 @@ class Keeper:
 
     def _keep(self, exposed: Exposed) -> Kept | Rejected:
         step, shot = exposed.step, exposed.shot
+        handed_over_s = time.monotonic()
         try:
             codes, quality = self._inspector.inspect(shot.content, shot.ending, "camera")
             reason = self._inspector.fault(step, quality)
@@ -114,7 +115,8 @@ class Keeper:
         alarm = self._revisits.judge(step, angle_deg, codes)
         start_s = time.monotonic()
         name = self._writer.unused_name(step.stem, shot.ending)
-        entry = self._writer.add_frame(name, shot.content, make_thumbnail(codes), **_line(exposed, quality, alarm))
+        line = {**_line(exposed, quality, alarm), "handed_over_s": round(handed_over_s, 6)}
+        entry = self._writer.add_frame(name, shot.content, make_thumbnail(codes), **line)
         self._revisits.watch(step, angle_deg, codes)
         times_s = {**exposed.times_s, "save": time.monotonic() - start_s}
         return Kept(FrameTaken(step, entry["file"], quality, exposed.pose_error_deg, times_s), alarm)

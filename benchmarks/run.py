@@ -6,7 +6,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from benchmarks import amc, amc_memory, arm_wires, ptm, storage, viewing, wires
+from benchmarks import amc, amc_memory, arm_wires, ptm, relighting, storage, viewing, wires
 from benchmarks.measure import table
 
 TEXT = """# Benchmarks
@@ -39,6 +39,7 @@ def main() -> None:
             *ptm.comparisons(folder),
             *amc.comparisons(folder),
             *viewing.comparisons(),
+            *relighting.comparisons(folder),
             *storage.comparisons(folder),
             *wires.comparisons(),
             *arm_wires.comparisons(),

@@ -57,7 +57,7 @@ def read_heads(path: Path, key: str) -> list[Head]:
     try:
         with path.open("rb"):
             pass
-        with OpenEXR.File(str(path), header_only=True) as exr:
+        with quiet_library(), OpenEXR.File(str(path), header_only=True) as exr:
             return [Head.of(part.header, key) for part in exr.parts]
     except FileNotFoundError as error:
         raise InputError(f"{path}: no such file; check the path") from error

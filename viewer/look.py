@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import moderngl
 
-UniformValue = int | float | bool | tuple[float, ...]
+UniformValue = int | float | bool | tuple[float, ...] | tuple[tuple[float, ...], ...]
 Texture = moderngl.Texture | moderngl.TextureArray | moderngl.Texture3D
 
 

@@ -3,6 +3,7 @@
 A new kind of material is one more opener in `_OPENERS`.
 """
 
+import dataclasses
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from pathlib import Path
@@ -14,6 +15,8 @@ from processing.amc.files.ktx2 import read_levels
 from processing.amc.files.low_rank_exr import read_low_rank
 from processing.amc.mips import MipLevel
 from processing.amc.model import Amc
+from processing.matcap.matcap_exr import ENDING as DECOMPOSED
+from processing.matcap.matcap_exr import read_matcap
 from processing.ptm.basis import PTM
 from processing.ptm.files.either import ENDINGS as PTM_ENDINGS
 from processing.ptm.files.either import holds_material, read_any
@@ -22,19 +25,24 @@ from viewer.geometry import Geometry
 from viewer.key_shadow import KeyShadow
 from viewer.look import Look
 from viewer.materials.amc import AmcMaterial, Coordinates
+from viewer.materials.decomposed_matcap import DecomposedMatcapMaterial
 from viewer.materials.low_rank import LowRankMaterial
 from viewer.materials.matcap import MatcapMaterial
 from viewer.materials.ptm import PtmMaterial
+from viewer.materials.ptm_shading import PtmShading
+from viewer.motion import Course, Moment, turned_lights
 from viewer.renderer import Renderer
-from viewer.staging import DEFAULT_LIGHT, AmcStaging, Staging
+from viewer.staging import AmcStaging, PtmStaging, Staging
 
-Opener = Callable[[Renderer, Path, Staging, Geometry], AbstractContextManager[Look]]
+Looks = Callable[[Moment], Look]
+"""Says how a material looks at one moment; cheap, so that it is asked for every frame."""
+Opener = Callable[[Renderer, Path, Staging, Geometry], AbstractContextManager[Looks]]
 
 MATCAP_ENDINGS = (*sorted(DISPLAY_ENDINGS), ".exr", ".hdr")
 
 
-def open_look(renderer: Renderer, file: Path, staging: Staging, geometry: Geometry) -> AbstractContextManager[Look]:
-    """Read a material file, upload it, and say how it looks on a geometry as it is staged.
+def open_looks(renderer: Renderer, file: Path, staging: Staging, geometry: Geometry) -> AbstractContextManager[Looks]:
+    """Read a material file, upload it, and say how it looks on a geometry as it is staged, moment by moment.
 
     Raises
     ------
@@ -44,20 +52,12 @@ def open_look(renderer: Renderer, file: Path, staging: Staging, geometry: Geomet
     for holds, opener in _OPENERS:
         if holds(file):
             return opener(renderer, file, staging, geometry)
-    endings = ", ".join((*either.ENDINGS, *PTM_ENDINGS, *MATCAP_ENDINGS))
+    endings = ", ".join((*either.ENDINGS, *PTM_ENDINGS, DECOMPOSED, *MATCAP_ENDINGS))
     raise InputError(f"{file}: unknown ending; give a file that ends in {endings}, or a web folder")
 
 
 def is_amc(file: Path) -> bool:
     return file.name.lower().endswith(either.ENDINGS)
-
-
-def read_ptm_to_draw(file: Path) -> Ptm:
-    """Read a PTM whose basis the shaders know."""
-    ptm = read_any(file)
-    if ptm.basis != PTM:
-        raise InputError(f"{file}: is an {ptm.basis}; only {PTM} is drawn here, so give it to litrig ptm relight")
-    return ptm
 
 
 def refuse_amc_staging(file: Path, staging: Staging, kind: str) -> None:
@@ -80,16 +80,38 @@ def refuse_amc_staging(file: Path, staging: Staging, kind: str) -> None:
         )
 
 
+def refuse_ptm_staging(file: Path, staging: Staging, kind: str, instead: str) -> None:
+    """Refuse what is said of PTMs for another kind of material.
+
+    Parameters
+    ----------
+    kind : what the file is, and why that has no use for it
+    instead : what else to do
+
+    Raises
+    ------
+    InputError
+        The staging has lights, or other things that a PTM alone takes.
+    """
+    ptm = staging.ptm
+    if ptm.lights or (staging.motion is not None and staging.motion.course is Course.TOUR):
+        raise InputError(f"{file}: {kind}; leave out the light, {instead}")
+    if ptm != PtmStaging():
+        raise InputError(
+            f"{file}: {kind}; leave out what is for PTMs: --light-colour, --softness, --diffuse-gain, --specular, "
+            "--normals and --window"
+        )
+
+
 @contextmanager
-def _amc_look(renderer: Renderer, file: Path, staging: Staging, geometry: Geometry) -> Iterator[Look]:
-    if staging.light is not None:
-        raise InputError(f"{file}: an AMC was lit when it was captured; leave out the light, turn the object instead")
+def _amc_looks(renderer: Renderer, file: Path, staging: Staging, geometry: Geometry) -> Iterator[Looks]:
+    refuse_ptm_staging(file, staging, "an AMC was lit when it was captured", "turn the object instead")
     amc = staging.amc
     _check_tables(file, amc)
     with ExitStack() as held:
         if _is_low_rank(file) and amc.unlit is None and amc.add is None and amc.coordinates is Coordinates.FRAGMENT:
             low_rank = held.enter_context(renderer.upload(LowRankMaterial, read_low_rank(file)))
-            yield low_rank.look(occluded=staging.occluded)
+            yield lambda _: low_rank.look(occluded=staging.occluded)
             return
         table, *others = (
             held.enter_context(renderer.upload(AmcMaterial, *_read_amc(name)))
@@ -97,13 +119,26 @@ def _amc_look(renderer: Renderer, file: Path, staging: Staging, geometry: Geomet
             if name is not None
         )
         if amc.unlit is not None and amc.key is not None:
-            shadow = held.enter_context(renderer.upload(KeyShadow))
-            shadow.cast(renderer, geometry, staging.view, amc.key)
-            yield table.keyed_look(others[0], shadow, occluded=staging.occluded)
+            yield _keyed(renderer, geometry, table, others[0], held.enter_context(renderer.upload(KeyShadow)), staging)
         elif amc.add is not None:
-            yield table.look_with(others[0], occluded=staging.occluded)
+            yield lambda _: table.look_with(others[0], occluded=staging.occluded)
         else:
-            yield table.look(coordinates=amc.coordinates, occluded=staging.occluded)
+            yield lambda _: table.look(coordinates=amc.coordinates, occluded=staging.occluded)
+
+
+def _keyed(
+    renderer: Renderer,
+    geometry: Geometry,
+    table: AmcMaterial,
+    unlit: AmcMaterial,
+    shadow: KeyShadow,
+    staging: Staging,
+) -> Looks:
+    def looks(moment: Moment) -> Look:
+        shadow.cast(renderer, geometry, moment.view, staging.amc.key or (0.0, 0.0))
+        return table.keyed_look(unlit, shadow, occluded=staging.occluded)
+
+    return looks
 
 
 def _check_tables(file: Path, amc: AmcStaging) -> None:
@@ -134,16 +169,56 @@ def _read_amc(file: Path) -> tuple[Amc, list[MipLevel] | None]:
 
 
 @contextmanager
-def _ptm_look(renderer: Renderer, file: Path, staging: Staging, _geometry: Geometry) -> Iterator[Look]:
+def _ptm_looks(renderer: Renderer, file: Path, staging: Staging, _geometry: Geometry) -> Iterator[Looks]:
     refuse_amc_staging(file, staging, "a PTM")
-    with renderer.upload(PtmMaterial, read_ptm_to_draw(file), smooth=True) as material:
-        yield material.mesh_look(staging.light or DEFAULT_LIGHT, occluded=staging.occluded)
+    if staging.ptm.window is not None:
+        raise InputError(f"{file}: a window is of a flat PTM; leave it out, or the mesh")
+    refuse_changed_normals(file, staging)
+    shading = staging.ptm.shading()
+    ptm = read_any(file)
+    check_shading(file, ptm, shading)
+    wanted = {"normals": shading.needs_normals, "brightest": shading.needs_brightest}
+    with renderer.upload(PtmMaterial, ptm, smooth=True, **wanted) as material:
+        yield lambda moment: material.mesh_look(shading_at(shading, moment), occluded=staging.occluded)
+
+
+def shading_at(shading: PtmShading, moment: Moment) -> PtmShading:
+    """Turn the lights as far as they are at a moment."""
+    return dataclasses.replace(shading, lights=turned_lights(shading.lights, moment.lights_turn_deg))
+
+
+def refuse_changed_normals(file: Path, staging: Staging) -> None:
+    """Refuse what would be done to light where normals are shown.
+
+    Raises
+    ------
+    InputError
+        The staging has an exposure, a tone curve, or lights that move.
+    """
+    if staging.ptm.normals and not staging.development.changes_nothing:
+        raise InputError(f"{file}: normals have no exposure and no tone; leave those out, or --normals")
+    if staging.ptm.normals and staging.motion is not None and staging.motion.course is Course.TOUR:
+        raise InputError(f"{file}: normals are the same under every light; leave out --tour, or --normals")
+
+
+def check_shading(file: Path, ptm: Ptm, shading: PtmShading) -> None:
+    """Refuse a shading that does not go with a file's basis, with the file's name.
+
+    Raises
+    ------
+    InputError
+        Diffuse gain was asked for, and the basis has no second derivatives.
+    """
+    if shading.needs_brightest and ptm.basis != PTM:
+        raise InputError(
+            f"{file}: is a {ptm.basis}, and diffuse gain scales the second derivatives of a {PTM}; fit one, or use "
+            "--specular, which takes any material"
+        )
 
 
 @contextmanager
-def _matcap_look(renderer: Renderer, file: Path, staging: Staging, _geometry: Geometry) -> Iterator[Look]:
-    if staging.light is not None:
-        raise InputError(f"{file}: a MatCap has its light in it; leave out the light, turn the object instead")
+def _matcap_looks(renderer: Renderer, file: Path, staging: Staging, _geometry: Geometry) -> Iterator[Looks]:
+    refuse_ptm_staging(file, staging, "a MatCap has its light in it", "turn the object instead")
     refuse_amc_staging(file, staging, "a MatCap")
     disc = read_linear(file)
     if disc.shape[0] != disc.shape[1]:
@@ -151,16 +226,29 @@ def _matcap_look(renderer: Renderer, file: Path, staging: Staging, _geometry: Ge
             f"{file}: {disc.shape[1]} × {disc.shape[0]} pixels are no MatCap; crop it to a square that its ball fills"
         )
     with renderer.upload(MatcapMaterial, disc) as material:
-        yield material.look(occluded=staging.occluded)
+        yield lambda _: material.look(occluded=staging.occluded)
+
+
+@contextmanager
+def _decomposed_looks(renderer: Renderer, file: Path, staging: Staging, _geometry: Geometry) -> Iterator[Looks]:
+    refuse_ptm_staging(file, staging, "a MatCap has its light in it", "turn the object instead")
+    refuse_amc_staging(file, staging, "a MatCap")
+    with renderer.upload(DecomposedMatcapMaterial, read_matcap(file)) as material:
+        yield lambda _: material.look(occluded=staging.occluded)
+
+
+def _is_decomposed(file: Path) -> bool:
+    return file.name.lower().endswith(DECOMPOSED)
 
 
 def _is_picture(file: Path) -> bool:
     return file.name.lower().endswith(MATCAP_ENDINGS)
 
 
-# The endings of the first two are longer than those of plain pictures.
+# The endings of all but the last are longer than those of plain pictures.
 _OPENERS: tuple[tuple[Callable[[Path], bool], Opener], ...] = (
-    (is_amc, _amc_look),
-    (holds_material, _ptm_look),
-    (_is_picture, _matcap_look),
+    (is_amc, _amc_looks),
+    (holds_material, _ptm_looks),
+    (_is_decomposed, _decomposed_looks),
+    (_is_picture, _matcap_looks),
 )

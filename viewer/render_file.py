@@ -1,6 +1,8 @@
-"""From a material file to a picture file."""
+"""From a material file to a picture file, or to a video."""
 
 import dataclasses
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -15,19 +17,23 @@ from processing.mesh.model import Mesh
 from processing.mesh.occlusion_cache import with_occlusion
 from processing.ptm.files.either import holds_material
 from viewer.geometry import Geometry, mesh_geometry
-from viewer.materials.ptm import ptm_picture
-from viewer.opened import is_amc, open_look, read_ptm_to_draw, refuse_amc_staging
+from viewer.motion import Course, Moment
+from viewer.opened import is_amc, open_looks
+from viewer.render_buffers import render_buffers, uses_buffers
+from viewer.render_flat import render_flat
 from viewer.renderer import Renderer
-from viewer.save import save_flat, save_rendered
-from viewer.staging import DEFAULT_LIGHT, DEFAULT_MESH, DEFAULT_SIZE_PX, AmcStaging, Staging
+from viewer.save import frame_codes, save_rendered
+from viewer.staging import DARK_GREY, DEFAULT_MESH, DEFAULT_SIZE_PX, AmcStaging, PtmStaging, Staging
 from viewer.tangent_lines import lines_look, tangent_lines
 from viewer.targets import Target
+from viewer.video import check_video, write_video
 
 F32 = NDArray[np.float32]
+Drawn = Callable[[Moment], F32]
 
 
 def render_file(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
-    """Draw a material file into a picture file, and return its width and height.
+    """Draw a material file into a picture file, or a video if something moves, and return its width and height.
 
     Raises
     ------
@@ -36,37 +42,66 @@ def render_file(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
     MissingToolError
         OpenGL is not installed.
     """
+    check_video(output, moves=staging.motion is not None)
+    if uses_buffers(staging):
+        return render_buffers(file, output, staging)
     if holds_material(file) and staging.mesh is None and staging.beside is None:
-        return _render_flat(file, output, staging)
+        return render_flat(file, output, staging)
+    if staging.motion is not None and staging.background_srgb is None:
+        raise InputError(f"{output}: a video cannot be transparent; choose a background colour")
+    width, height = staging.size_px or DEFAULT_SIZE_PX
+    size = (width * (1 if staging.beside is None else 2), height)
+    with _drawing(file, staging) as draw:
+        if staging.motion is None:
+            save_rendered(output, draw(Moment(staging.view)), staging.background_srgb)
+        else:
+            moments = staging.motion.moments(staging.view)
+            background = staging.background_srgb or DARK_GREY
+            write_video(output, (frame_codes(draw(moment), background) for moment in moments), size, staging.motion.fps)
+    return size
+
+
+@contextmanager
+def _drawing(file: Path, staging: Staging) -> Iterator[Drawn]:
+    """Open all that is drawn; yields what draws one moment, (H, W, 4) float32, linear light and straight coverage."""
     mesh = staged_mesh(staging)
-    with Renderer() as renderer, renderer.upload(mesh_geometry, mesh) as geometry:
-        pictures = [_mesh_picture(renderer, file, staging, mesh, geometry)]
-        if staging.beside is not None:
-            pictures.append(_mesh_picture(renderer, staging.beside, _staged_beside(staging), mesh, geometry))
-    picture = np.concatenate(pictures, axis=1)
-    save_rendered(output, picture, staging.background_srgb)
-    return picture.shape[1], picture.shape[0]
-
-
-def _mesh_picture(renderer: Renderer, file: Path, staging: Staging, mesh: Mesh, geometry: Geometry) -> F32:
     size = staging.size_px or DEFAULT_SIZE_PX
-    with (
-        open_look(renderer, file, staging, geometry) as look,
-        renderer.upload(Target, size, staging.supersample) as target,
-    ):
-        renderer.draw(look, geometry, target, staging.view)
+    with Renderer() as renderer, ExitStack() as held:
+        geometry = held.enter_context(renderer.upload(mesh_geometry, mesh))
+        looks = [held.enter_context(open_looks(renderer, file, staging, geometry))]
+        if staging.beside is not None:
+            looks.append(
+                held.enter_context(open_looks(renderer, staging.beside, _staged_beside(staging, file), geometry))
+            )
+        target = held.enter_context(renderer.upload(Target, size, staging.supersample))
+        lines: Geometry | None = None
         if staging.tangents:
-            with renderer.upload(tangent_lines, mesh) as lines:
-                renderer.draw(lines_look(), lines, target, staging.view, clear=False)
-        return target.read()
+            lines = held.enter_context(renderer.upload(tangent_lines, mesh))
+
+        def draw(moment: Moment) -> F32:
+            pictures = []
+            for look in looks:
+                renderer.draw(look(moment), geometry, target, moment.view)
+                if lines is not None:
+                    renderer.draw(lines_look(), lines, target, moment.view, clear=False)
+                pictures.append(target.read())
+            return np.asarray(staging.development.apply(np.concatenate(pictures, axis=1)), np.float32)
+
+        yield draw
 
 
-def _staged_beside(staging: Staging) -> Staging:
+def _staged_beside(staging: Staging, file: Path) -> Staging:
     """Leave out what was said of the first material and does not go with the second; the mesh has its grain already."""
     other = staging.beside
     is_table = other is not None and is_amc(other)
     amc = AmcStaging(coordinates=staging.amc.coordinates) if is_table else AmcStaging()
-    return dataclasses.replace(staging, amc=amc, light=staging.light if other and holds_material(other) else None)
+    if other is not None and holds_material(other):
+        return dataclasses.replace(staging, amc=amc)
+    # A light tour of a PTM leaves the other as it is.
+    motion = staging.motion
+    if motion is not None and holds_material(file):
+        motion = dataclasses.replace(motion, course=Course.TURNTABLE)
+    return dataclasses.replace(staging, amc=amc, ptm=PtmStaging(), motion=motion)
 
 
 def staged_mesh(staging: Staging) -> Mesh:
@@ -79,17 +114,3 @@ def staged_mesh(staging: Staging) -> Mesh:
     if staging.occluded and mesh.occlusion is None:
         mesh = with_occlusion(mesh)
     return turned(mesh, staging.amc.turn_deg)
-
-
-def _render_flat(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
-    refuse_amc_staging(file, staging, "a PTM")
-    if staging.size_px is not None:
-        raise InputError(f"{file}: a flat PTM has its own size; leave out the size, or name a mesh")
-    if staging.mesh_options:
-        options = ", ".join(staging.mesh_options)
-        raise InputError(f"{file}: {options} would not change a flat PTM; leave it out, or name a mesh")
-    ptm = read_ptm_to_draw(file)
-    with Renderer() as renderer:
-        values = ptm_picture(renderer, ptm, staging.light or DEFAULT_LIGHT)
-    save_flat(output, values, ptm)
-    return values.shape[1], values.shape[0]

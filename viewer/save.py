@@ -7,14 +7,15 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
 from litrig.base.pictures import write_codes, write_picture
-from litrig.base.radiometry import decode_srgb, to_u8
-from processing.ptm.model import Ptm
+from litrig.base.radiometry import U8, decode_srgb, to_u8
 from processing.reference.display import display_codes, over
 
 _KEEPS_ALPHA = frozenset({".png", ".tif", ".tiff"})
+F32 = NDArray[np.float32]
+Colour = tuple[float, float, float]
 
 
-def save_rendered(path: Path, picture: NDArray[np.float32], background_srgb: tuple[float, float, float] | None) -> None:
+def save_rendered(path: Path, picture: F32, background_srgb: Colour | None) -> None:
     """Write a rendered picture (H, W, 4), linear light and straight coverage; a background of None leaves it clear.
 
     Raises
@@ -27,13 +28,26 @@ def save_rendered(path: Path, picture: NDArray[np.float32], background_srgb: tup
             raise InputError(f"{path}: cannot be transparent; write a .png or .tif, or choose a background colour")
         write_codes(path, display_codes(picture))
         return
-    background = decode_srgb(np.asarray(background_srgb, np.float32))
-    write_picture(path, over(picture, (float(background[0]), float(background[1]), float(background[2])))[..., :3])
+    write_picture(path, _laid_over(picture, background_srgb))
 
 
-def save_flat(path: Path, values: NDArray[np.float32], ptm: Ptm) -> None:
-    """Write a relit PTM: its values as codes to a display format, as light to EXR."""
+def save_values(path: Path, values: F32, *, are_display: bool) -> None:
+    """Write a flat picture (H, W, 3): its values as codes to a display format, as light to EXR."""
     if path.suffix.lower() == ".exr":
-        write_picture(path, decode_srgb(values) if ptm.space == "srgb" else values)
+        write_picture(path, decode_srgb(values) if are_display else values)
     else:
         write_codes(path, to_u8(values))
+
+
+def frame_codes(picture: F32, background_srgb: Colour) -> U8:
+    """Make a rendered picture (H, W, 4) the frame of a video, (H, W, 3) sRGB codes."""
+    return display_codes(over(picture, _light(background_srgb)))[..., :3]
+
+
+def _laid_over(picture: F32, background_srgb: Colour) -> F32:
+    return np.asarray(over(picture, _light(background_srgb))[..., :3], np.float32)
+
+
+def _light(colour_srgb: Colour) -> Colour:
+    red, green, blue = decode_srgb(np.asarray(colour_srgb, np.float32)).tolist()
+    return red, green, blue

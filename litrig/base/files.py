@@ -8,7 +8,7 @@ import itertools
 import os
 import shutil
 import stat
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -57,9 +57,17 @@ def write_atomically(path: Path, *content: bytes, store: Store = DISK) -> None:
             raise InputError(f"{path}: only {stored} of {wanted} bytes could be written; free space and try again")
 
 
+def _replaces_nothing(_: Path) -> bool:
+    return False
+
+
 @contextmanager
-def making_folder(path: Path) -> Iterator[Path]:
+def making_folder(path: Path, replaces: Callable[[Path], bool] = _replaces_nothing) -> Iterator[Path]:
     """Hand out a temporary folder beside `path`; what is written there becomes `path` at the end, all or nothing.
+
+    Parameters
+    ----------
+    replaces : tells whether a folder that is there and holds files may go, such as an earlier one of the same kind
 
     Raises
     ------
@@ -67,16 +75,27 @@ def making_folder(path: Path) -> Iterator[Path]:
         The folder above does not exist, `path` is there and is no empty folder, or the files cannot be written. Nothing
         is left behind, also if the body raises.
     """
-    temporary = path.parent / f".{os.getpid()}-{next(_temporary_numbers)}.part"
+    number = next(_temporary_numbers)
+    temporary, old = (path.parent / f".{os.getpid()}-{number}.{kind}" for kind in ("part", "old"))
     try:
-        check_new_folder(path)
+        goes = is_folder(path) and any(path.iterdir()) and replaces(path)
+        if not goes:
+            check_new_folder(path)
         temporary.mkdir()
         yield temporary
         for written in temporary.iterdir():
             DISK.sync(written)
         DISK.sync_folder(temporary)
-        temporary.rename(path)
+        if goes:
+            path.rename(old)
+        try:
+            temporary.rename(path)
+        except OSError:
+            if goes:
+                old.rename(path)
+            raise
         DISK.sync_folder(path.parent)
+        shutil.rmtree(old, ignore_errors=True)
     except OSError as error:
         raise InputError(
             f"{path}: cannot be written ({error.strerror or error}); free space, or choose another name or folder"

@@ -29,7 +29,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Table:
-    """Headings, and rows of as many cells; numbers are set flush right."""
+    """Headings, or none, and rows of as many cells each; numbers are set flush right."""
 
     headings: Sequence[str]
     rows: Sequence[Sequence[str | float]]
@@ -42,6 +42,7 @@ class Section:
     Attributes
     ----------
     columns : figures a row; a wide one takes a row of its own
+    folded : words to click on before the table is seen; empty if it is seen at once
     """
 
     title: str
@@ -49,6 +50,7 @@ class Section:
     figures: Sequence[Figure] = field(default_factory=tuple)
     table: Table | None = None
     columns: int = 4
+    folded: str = ""
 
 
 def write_page(path: Path, title: str, lead: str, sections: Sequence[Section]) -> None:

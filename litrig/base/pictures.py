@@ -5,6 +5,7 @@ RAW are linear. A damaged file is an error: a decoder that paints what is missin
 """
 
 import struct
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import FormatError, InputError
 from litrig.base.files import replacing
+from litrig.base.quiet import quiet_library
 from litrig.base.radiometry import F32, U8, Codes, decode_srgb_codes, encode_srgb, to_u8
 
 RAW_ENDINGS = frozenset({".dng", ".nef", ".cr2", ".cr3", ".arw", ".raf", ".orf", ".rw2", ".pef"})
@@ -162,9 +164,13 @@ def write_exr(path: Path, channels: Mapping[str, F32], header: Mapping[str, Any]
 def _read_exr_rgb(path: Path) -> F32:
     _read_bytes(path, only_first=True)
     try:
-        with OpenEXR.File(str(path)) as exr:
+        # OpenEXR says on standard output what it could not decode; it is said below, in one line.
+        with quiet_library(), OpenEXR.File(str(path), header_only=True) as exr:
+            (left, top), (right, bottom) = (corner.tolist() for corner in exr.header()["dataWindow"])
+        _refuse_bomb(str(path), max(bottom - top + 1, 1), max(right - left + 1, 1))
+        with quiet_library(), OpenEXR.File(str(path)) as exr:
             channels = {name: np.asarray(channel.pixels) for name, channel in exr.channels().items()}
-    except (RuntimeError, ValueError, OSError) as error:
+    except (RuntimeError, ValueError, OSError, LookupError, TypeError) as error:
         raise FormatError(f"{path}: damaged EXR ({error}); copy or render it again") from error
     for name in ("RGB", "RGBA"):
         if name in channels:
@@ -231,6 +237,17 @@ def _check_png(content: bytes, source: str) -> None:
         raise FormatError(f"{source}: not a PNG; give the file the ending of what it is")
     width, height = _PNG_SIZE.unpack_from(content, _PNG_SIZE_AT)
     _refuse_bomb(source, height, width)
+    place = len(_PNG_START)
+    while place < len(content):
+        # Length, type, content, and the CRC-32 of type and content. libpng would say on its own what does not fit.
+        end = place + 12 + int.from_bytes(content[place : place + 4], "big")
+        if end > len(content) or zlib.crc32(content[place + 4 : end - 4]) != int.from_bytes(
+            content[end - 4 : end], "big"
+        ):
+            raise FormatError(f"{source}: damaged PNG (at byte {place}); copy or shoot it again")
+        if content[place + 4 : place + 8] == b"IEND":
+            break
+        place = end
 
 
 def _refuse_bomb(source: str, height: int, width: int) -> None:

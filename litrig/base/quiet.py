@@ -1,8 +1,9 @@
-"""Keeping libraries quiet that write to the standard streams from below Python."""
+"""Keeping libraries quiet that write to the standard streams, by Python's print or from below it."""
 
+import io
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from threading import Lock
 
 _STREAMS = (1, 2)
@@ -21,7 +22,9 @@ def quiet_library() -> Iterator[None]:
         try:
             for stream in _STREAMS:
                 os.dup2(nowhere, stream)
-            yield
+            # What is printed through Python waits in its buffer, and would come out when the streams are back.
+            with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+                yield
         finally:
             for stream, copy in zip(_STREAMS, kept, strict=True):
                 os.dup2(copy, stream)

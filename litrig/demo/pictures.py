@@ -38,7 +38,7 @@ class Pictures:
     def video(self, name: str, frames: Iterable[Codes], caption: str, size: tuple[int, int]) -> Figure:
         """Write a video of pictures of `size`, width and height."""
         file = f"pictures/{name}.mp4"
-        write_video(self._folder / file, frames)
+        write_video(self._folder / file, frames, size)
         return Figure(file, caption, wide=True, size=size)
 
     def rotation_curve(self, name: str, report: InvarianceReport, caption: str) -> Figure:

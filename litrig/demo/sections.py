@@ -26,9 +26,9 @@ from processing.amc.model import Amc
 from processing.mesh.builtin import builtin_mesh
 from processing.ptm.model import Ptm
 from processing.ptm.quality import FitQuality
-from viewer.geometry import whole_picture
+from viewer.flat_picture import FlatView, flat_picture, open_flat
 from viewer.materials.amc import amc_picture
-from viewer.materials.ptm import PtmMaterial, ptm_picture
+from viewer.materials.ptm_shading import PtmShading, shading_lights
 from viewer.renderer import Renderer
 from viewer.view import View
 
@@ -97,14 +97,12 @@ def relit(pictures: Pictures, ptm: Ptm) -> Section:
     figures: list[Figure] = []
     with Renderer() as renderer:
         even = _even(ptm)
-        size = (even.coefficients.shape[2], even.coefficients.shape[1])
-        with renderer.upload(PtmMaterial, even) as material, renderer.upload(whole_picture) as everything:
-            looks = map(material.flat_look, _tour())
-            # Row 0 of a flat PTM is drawn at the bottom.
-            frames = (to_u8(renderer.picture(look, everything, size=size)[::-1, :, :3]) for look in looks)
+        size = (even.shape[1], even.shape[0])
+        with open_flat(renderer, even, FlatView(), normals=False, brightest=False) as draw:
+            frames = (to_u8(draw(_under(light), False)) for light in _tour())
             figures.append(pictures.video("ptm-tour", frames, "The light goes round.", size))
         for index, light in enumerate(LIGHTS):
-            codes = to_u8(ptm_picture(renderer, ptm, light))
+            codes = to_u8(flat_picture(renderer, ptm, _under(light)))
             figures.append(pictures.add(f"ptm-{index}", codes, f"Light from ({light[0]:g}, {light[1]:g})"))
     return Section("Polynomial texture map", "relief.ptm, LRGB, relit.", figures)
 
@@ -131,6 +129,10 @@ def times(stages: Stages) -> Section:
     rows = [(name, round(took_s, 1)) for name, took_s in stages.took_s.items()]
     rows.append(("all", round(sum(stages.took_s.values()), 1)))
     return Section("How long it took", table=Table(("step", "seconds"), rows))
+
+
+def _under(light: tuple[float, float]) -> PtmShading:
+    return PtmShading(shading_lights((light,)))
 
 
 def _tour() -> Iterator[tuple[float, float]]:

@@ -139,6 +139,12 @@ def amc() -> None:
 @click.option(
     "--report", "report_folder", type=PATH, metavar="DIR", help="Write a page about the build, DIR/index.html."
 )
+@click.option(
+    "--under",
+    type=(float, float),
+    metavar="AZIMUTH ELEVATION",
+    help="Of a session under many lights, the one to build from, in degrees.",
+)
 @references
 @JSON
 def build(
@@ -150,6 +156,7 @@ def build(
     split: bool,
     unlit: Path | None,
     report_folder: Path | None,
+    under: tuple[float, float] | None,
     refer: "Refer",
     as_json: bool,
     **choices: Any,
@@ -174,7 +181,7 @@ def build(
     settings = _settings(**choices)
     with reporting() as report:
         folders = {"": folder} if unlit is None else {"": folder, "unlit": unlit}
-        turns = {name: _read_turn(turn, even, refer) for name, turn in folders.items()}
+        turns = {name: _read_turn(turn, even, under, refer) for name, turn in folders.items()}
         results = _results(turns, mask, split, settings, report)
         paths = {name: beside(output, name) for name in results}
         for name, result in results.items():
@@ -256,10 +263,13 @@ def _settings(
     )
 
 
-def _read_turn(folder: Path, even: bool, refer: "Refer") -> "Capture":
+def _read_turn(folder: Path, even: bool, under: tuple[float, float] | None, refer: "Refer") -> "Capture":
     from litrig.base.capture_folder.reader import read_capture, turn_evenly
+    from litrig.base.capture_folder.select import under_one_light
+    from litrig.base.directions import direction_from_angles
 
-    capture = refer(read_capture(folder))
+    light = None if under is None else direction_from_angles(*under)
+    capture = refer(under_one_light(read_capture(folder), light))
     return turn_evenly(capture) if even else capture
 
 

@@ -4,11 +4,9 @@ It is the AMC paper's example (its figure 11): light breaks at the shoulder's se
 """
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 
 from processing.mesh.corners import CornerMesh, put_together
 from processing.mesh.grids import fit_unit_sphere, grid_triangles
@@ -29,7 +27,14 @@ _SLEEVE = 0.42
 _CUFF = 0.125
 _UV_SCALE = 0.4
 """So that every piece fits into its quarter of the cloth."""
-_half_width: Callable[[F64], F64] = PchipInterpolator([0, 0.3, 0.65, 0.85, 1], [0.41, 0.385, 0.4, 0.35, 0.335])
+
+
+def _half_width(height: F64) -> F64:
+    # Whoever draws another mesh would wait for this import.
+    from scipy.interpolate import PchipInterpolator
+
+    width: F64 = PchipInterpolator([0, 0.3, 0.65, 0.85, 1], [0.41, 0.385, 0.4, 0.35, 0.335])(height)
+    return width
 
 
 def shirt(wide: int = 64, tall: int = 96, along: int = 48) -> Mesh:

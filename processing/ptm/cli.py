@@ -99,6 +99,7 @@ ptm.add_command(lights)
     help="Decoded pictures of more than this go to a temporary file.",
 )
 @click.option("--spool", type=PATH, metavar="DIR", help="Where that file goes; by default where temporary files go.")
+@click.option("--angle", "angle_deg", type=float, metavar="DEG", help="Of a session of many angles, the one to fit.")
 @references
 @JSON
 def fit(  # one option each
@@ -115,6 +116,7 @@ def fit(  # one option each
     far: bool,
     memory: float,
     spool: Path | None,
+    angle_deg: float | None,
     refer: "Refer",
     as_json: bool,
 ) -> None:
@@ -134,7 +136,7 @@ def fit(  # one option each
 
     chosen = _basis(basis, terms)
     check_form(output, chosen)
-    capture, lights = _read_lit_frames(folder, lp, picture_width)
+    capture, lights = _read_lit_frames(folder, lp, picture_width, angle_deg)
     settings = FitSettings(
         basis=chosen,
         colour=colour or ("lrgb" if basis == "ptm" else "rgb"),
@@ -179,11 +181,14 @@ def _basis(kind: "Kind", terms: int | None) -> "Basis":
     return Basis(kind, terms or possible[0])
 
 
-def _read_lit_frames(folder: Path, lp: Path | None, picture_width_mm: float | None) -> "tuple[Capture, _Lit]":
+def _read_lit_frames(
+    folder: Path, lp: Path | None, picture_width_mm: float | None, angle_deg: float | None
+) -> "tuple[Capture, _Lit]":
     import numpy as np
 
     from litrig.base.capture_folder.capture import Role
     from litrig.base.capture_folder.reader import pair_lights, read_capture
+    from litrig.base.capture_folder.select import at_one_angle
     from litrig.base.errors import InputError
     from litrig.base.light_files import read_lights
     from processing.ptm.near_lights import NearLights
@@ -195,10 +200,11 @@ def _read_lit_frames(folder: Path, lp: Path | None, picture_width_mm: float | No
             # The vectors of an .lp are positions where they are not of length 1, and the width says in what unit.
             listed = replace(listed, positions_mm=listed.vectors)
         capture = pair_lights(capture, listed, lp)
-    frames = list(capture.having(Role.FRAME))
-    for frame in frames:
+    for frame in capture.having(Role.FRAME):
         if frame.light is None:
             raise InputError(f"{frame.path}: its light is not known; put an .lp file beside it, or name one with --lp")
+    capture = at_one_angle(capture, angle_deg)
+    frames = list(capture.having(Role.FRAME))
     for remark in capture.remarks:
         click.echo(remark, err=True)
     positions = [frame.light_position_mm for frame in frames if frame.light_position_mm is not None]

@@ -135,7 +135,7 @@ def test_average_frames_take_exposures_and_no_ways() -> None:
 def test_a_stop_more_exposes_twice_as_long_and_changing_costs_frames() -> None:
     picture = Picture(0.5, 0.04, 1, "")
     assert picture.time_s(1, changed=False) == pytest.approx(2 * picture.time_s(0, changed=False))
-    assert picture.time_s(-5, changed=False) == pytest.approx(0.5 / 32 + 1.5 * 0.04)
+    assert picture.time_s(-5, changed=False) == pytest.approx(0.5 / 32 + 2.5 * 0.04)
     assert picture.time_s(0, changed=True) == pytest.approx(picture.time_s(0, changed=False) + 2 * 0.5)
 
 

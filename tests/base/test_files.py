@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from litrig.base.errors import InputError
-from litrig.base.files import read_limited, replacing, resolve_inside, write_atomically
+from litrig.base.files import making_folder, read_limited, replacing, resolve_inside, write_atomically
 
 
 def test_a_file_is_replaced_whole(tmp_path: Path) -> None:
@@ -92,3 +92,18 @@ def test_names_from_files_cannot_leave_their_folder(tmp_path: Path, name: str) -
 
 def test_names_inside_resolve(tmp_path: Path) -> None:
     assert resolve_inside(tmp_path, "data/a.jpg") == tmp_path.resolve() / "data" / "a.jpg"
+
+
+def test_a_folder_takes_the_place_of_one_that_may_go(tmp_path: Path) -> None:
+    place = tmp_path / "r"
+    for round_ in ("first", "second"):
+        with making_folder(place, lambda folder: (folder / "first").exists()) as temporary:
+            (temporary / round_).write_text(round_)
+    assert [path.name for path in place.iterdir()] == ["second"]
+    with pytest.raises(InputError, match="holds files already"), making_folder(place, lambda _: False):
+        raise AssertionError
+    with pytest.raises(InputError, match="full"), making_folder(place, lambda _: True) as temporary:
+        (temporary / "third").write_text("third")
+        raise OSError(28, "full")
+    assert [path.name for path in place.iterdir()] == ["second"]
+    assert [path.name for path in tmp_path.iterdir()] == ["r"]

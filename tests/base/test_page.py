@@ -38,3 +38,13 @@ def test_a_plot_is_a_picture(tmp_path: Path) -> None:
     with plot(tmp_path / "a.png", (2, 1)) as axes:
         axes.plot([0, 1], [0, 1])
     assert read_codes(tmp_path / "a.png").shape == (150, 300, 3)
+
+
+def test_a_long_table_can_be_folded_and_need_no_headings(tmp_path: Path) -> None:
+    folded = Section("Long", table=Table((), [["a", 1]]), folded="two <cells>")
+    sections = [folded, Section("Short", table=Table(["x"], []))]
+    write_page(tmp_path / "index.html", "T", "lead", sections)
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert page.count("<details>") == page.count("</details>") == 1
+    assert "<summary>two &lt;cells&gt;</summary>" in page
+    assert page.count("<thead>") == 1

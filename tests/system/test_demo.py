@@ -1,9 +1,6 @@
 """A small demo, whole: what it promises is there, and nothing on its page points outside its folder."""
 
 import json
-import os
-import shutil
-import subprocess
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -14,6 +11,7 @@ from numpy.typing import NDArray
 
 from litrig.base.capture_folder.verify import verify_capture
 from litrig.base.pictures import read_codes
+from tests.system.browser import look_at, needs_browser
 from tests.system.command import litrig
 
 
@@ -81,16 +79,6 @@ def test_a_second_demo_replaces_the_first_but_nothing_else(demo: Path, tmp_path:
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
 
 
-@pytest.mark.skipif(shutil.which("chromium") is None, reason="needs Chromium")
+@needs_browser
 def test_a_browser_shows_the_page(demo: Path, tmp_path: Path) -> None:
-    shot = tmp_path / "page.png"
-    page = (demo / "index.html").as_uri()
-    options = ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking")
-    subprocess.run(
-        ["chromium", *options, f"--user-data-dir={tmp_path}", "--window-size=1280,2400", f"--screenshot={shot}", page],
-        check=True,
-        capture_output=True,
-        timeout=120,
-        env={**os.environ, "HOME": str(tmp_path)},
-    )
-    assert read_codes(shot)[:2000].std() > 10
+    assert look_at(demo / "index.html", tmp_path)[:2000].std() > 10

@@ -81,10 +81,13 @@ def test_the_samples_become_materials_and_pictures(tmp_path: Path) -> None:
         ["render", amc, "-o", tmp_path / "torus.png", "--size", "200", "150"],
         ["render", amc, "-o", tmp_path / "cloth.png", "--mesh", "cloth", "--size", "200", "150"],
         ["render", ptm, "-o", tmp_path / "flat.png", "--light", "-0.5", "0.3"],
+        ["render", ptm, "-o", tmp_path / "detail.png", "--window", "120", "130", "60", "40", "--zoom", "6"],
+        ["render", ptm, "-o", tmp_path / "tour.mp4", "--tour", "4", "--light", "0.7", "0", "--specular", "0.4", "60"],
     ]
     for command in commands:
         result = litrig(*command)
         assert result.returncode == 0, f"{command}: {result.stderr}"
+    assert (tmp_path / "tour.mp4").stat().st_size > 10_000
     for picture in tmp_path.glob("*.png"):
         assert read_codes(picture).std() > 5
     assert abs(read_codes(tmp_path / "lit.png").astype(int) - read_codes(tmp_path / "flat.png")).max() <= 1

@@ -143,13 +143,3 @@ def test_a_target_that_cannot_be_is_one_line(
     assert said.count("\n") == 1
     assert reason in said
     assert sorted(tmp_path.rglob("*")) == before
-
-
-def test_a_basis_that_is_not_drawn_is_sent_to_relight(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    write_any(tmp_path / "x.rti", small(Basis("hsh", 4), "rgb"))
-    for mesh in ([], ["--mesh", "pillow"]):
-        assert litrig(monkeypatch, "render", tmp_path / "x.rti", "-o", tmp_path / "y.png", *mesh) == 1
-        assert "x.rti: is an HSH of 4 terms; only PTM of 6 terms is drawn" in capfd.readouterr().err
-    assert not (tmp_path / "y.png").exists()

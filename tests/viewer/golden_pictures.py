@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from litrig.base.pictures import write_codes
+from litrig.base.radiometry import decode_srgb
 from litrig.base.table_normals import TableNormal
 from processing.amc.isotropic import isotropic_matcap
 from processing.amc.low_rank import compress
@@ -19,15 +20,24 @@ from processing.mesh.builtin import cloth, torus
 from processing.mesh.fields import painted, turned
 from processing.mesh.model import Mesh
 from processing.mesh.sewn import skirt
+from processing.ptm.basis import PTM, Basis
 from processing.reference.display import display_codes, over
+from tests.processing.matcap.maps import analytic
+from tests.processing.ptm.files.fitted import fitted
+from tests.processing.shape import scene
 from tests.viewer.analytic import brushed_amc
 from tests.viewer.scenes import KEY, lit_and_unlit, split_in_two, with_occlusion
+from viewer.flat_picture import FlatView, flat_picture
 from viewer.geometry import mesh_geometry
 from viewer.key_shadow import KeyShadow
 from viewer.look import Look
 from viewer.materials.amc import AmcMaterial, Coordinates, amc_picture
+from viewer.materials.decomposed_matcap import DecomposedMatcapMaterial
 from viewer.materials.low_rank import LowRankMaterial
 from viewer.materials.matcap import MatcapMaterial
+from viewer.materials.ptm import ptm_mesh_picture
+from viewer.materials.ptm_shading import PtmShading, shading_lights
+from viewer.materials.shading_buffers import recomposed_picture
 from viewer.renderer import F32, Renderer
 from viewer.tangent_lines import lines_look, tangent_lines
 from viewer.targets import Target
@@ -38,6 +48,7 @@ SIZE, SUPERSAMPLE = (112, 112), 2
 BACKGROUND = (0.014, 0.015, 0.018)
 VIEW = View(yaw_deg=25, pitch_deg=35)
 TORUS, CLOTH, SEWN = torus(96, 48), cloth(120), skirt(24, 60)
+ONE_LIGHT = PtmShading(shading_lights(((0.5, 0.4),)))
 
 Drawn = Callable[[Renderer], F32]
 
@@ -95,6 +106,17 @@ def matcap(renderer: Renderer) -> F32:
         return of_look(material.look(), renderer, SEWN)
 
 
+def decomposed(renderer: Renderer) -> F32:
+    with renderer.upload(DecomposedMatcapMaterial, analytic(64)) as material:
+        return of_look(material.look(), renderer, CLOTH)
+
+
+def recomposed(renderer: Renderer) -> F32:
+    buffers = scene.buffers()
+    picture = recomposed_picture(renderer, buffers, scene.environments(), scene.bumped(buffers.normals))
+    return np.concatenate([picture, np.ones_like(picture[..., :1])], axis=-1)
+
+
 def tangents(renderer: Renderer) -> F32:
     with (
         renderer.upload(AmcMaterial, brushed_amc(32, 30)) as material,
@@ -105,6 +127,23 @@ def tangents(renderer: Renderer) -> F32:
         renderer.draw(material.look(), geometry, target, VIEW)
         renderer.draw(lines_look(), lines, target, VIEW, clear=False)
         return target.read()
+
+
+def ptm(basis: Basis, shading: PtmShading, mesh: Mesh = CLOTH) -> Drawn:
+    return lambda renderer: ptm_mesh_picture(
+        renderer, fitted(basis, "lrgb"), mesh, VIEW, shading, size=SIZE, supersample=SUPERSAMPLE
+    )
+
+
+def flat(basis: Basis, shading: PtmShading, view: FlatView, *, as_light: bool = False) -> Drawn:
+    """Light under a display's eyes: what is drawn as display values is decoded first, so that all end alike."""
+
+    def draw(renderer: Renderer) -> F32:
+        values = flat_picture(renderer, fitted(basis, "lrgb"), shading, view, as_light=as_light)
+        light = values if as_light else decode_srgb(values)
+        return np.concatenate([light, np.ones_like(light[..., :1])], axis=-1)
+
+    return draw
 
 
 def swirl() -> F32:
@@ -132,6 +171,21 @@ PICTURES: dict[str, Drawn] = {
     "amc-low-rank": low_rank,
     "amc-split": summed,
     "matcap-sewn": matcap,
+    "matcap-decomposed": decomposed,
+    "shading-buffers": recomposed,
+    "ptm": ptm(PTM, ONE_LIGHT),
+    "ptm-lights": ptm(PTM, PtmShading(shading_lights(((0.7, 0.2), (-0.6, 0.4)), ((1, 0.5, 0.2), (0.1, 0.3, 0.9)), 12))),
+    "ptm-gain": ptm(PTM, replace(ONE_LIGHT, diffuse_gain=2.5)),
+    "ptm-highlight": ptm(PTM, replace(ONE_LIGHT, gloss=(0.5, 20))),
+    "ptm-normals": ptm(PTM, replace(ONE_LIGHT, view="normals")),
+    "hsh": ptm(Basis("hsh", 16), ONE_LIGHT, TORUS),
+    "ptm-flat": flat(PTM, ONE_LIGHT, FlatView(None, 1.75)),
+    "hsh-flat-lights": flat(
+        Basis("hsh", 9), PtmShading(shading_lights(((0.7, 0.2), (-0.6, 0.4)))), FlatView(None, 1.75), as_light=True
+    ),
+    "ptm-texels": flat(PTM, ONE_LIGHT, FlatView((20, 20, 16, 16), 7)),
+    "ptm-shrunk": flat(PTM, ONE_LIGHT, FlatView(None, 0.5)),
+    "ptm-flat-normals": flat(PTM, replace(ONE_LIGHT, view="normals"), FlatView(None, 1.75)),
 }
 
 

@@ -21,7 +21,7 @@ from processing.ptm.model import Ptm
 from processing.ptm.relighting.relight import relight
 from tests.viewer.analytic import brushed_amc
 from viewer.cli import render
-from viewer.staging import DEFAULT_LIGHT
+from viewer.materials.ptm_shading import DEFAULT_LIGHT
 
 SMALL = ["--size", "60", "40", "--supersample", "1"]
 

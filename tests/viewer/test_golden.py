@@ -31,6 +31,8 @@ def test_no_two_pictures_would_pass_for_each_other() -> None:
     names = sorted(kept)
     for index, first in enumerate(names):
         for second in names[index + 1 :]:
+            if kept[first].shape != kept[second].shape:
+                continue
             apart = np.abs(kept[first] - kept[second])
             assert apart.mean() > MEAN or np.quantile(apart.max(axis=-1), 0.99) > MOST, (first, second)
 

@@ -20,11 +20,13 @@ from processing.mesh.model import Mesh
 from processing.ptm.model import Ptm
 from tests.viewer.analytic import brushed_amc
 from viewer.errors import GraphicsError
+from viewer.flat_picture import flat_picture
 from viewer.geometry import mesh_geometry
 from viewer.gl_context import INSTALL
 from viewer.materials.amc import AmcMaterial
 from viewer.materials.low_rank import LowRankMaterial
-from viewer.materials.ptm import PtmMaterial, ptm_picture
+from viewer.materials.ptm import PtmMaterial
+from viewer.materials.ptm_shading import PtmShading
 from viewer.renderer import Renderer
 from viewer.targets import Target
 
@@ -112,7 +114,7 @@ def test_a_low_rank_table_that_the_driver_does_not_take_is_refused(renderer: Ren
 def test_a_ptm_wider_than_the_driver_takes_is_refused_and_a_higher_one_is_drawn(renderer: Renderer) -> None:
     coefficients = np.full((6, 1, 20_000, 3), 0.1, np.float32)
     with pytest.raises(InputError, match=r"PTM: 20000 × 1 texels, but .* cut or shrink it"):
-        ptm_picture(renderer, Ptm(coefficients, None), (0, 0))
+        flat_picture(renderer, Ptm(coefficients, None), PtmShading())
     high = Ptm(coefficients.transpose(0, 2, 1, 3), None)
     with pytest.raises(InputError, match="PTM: 1 × 20000 texels"), renderer.upload(PtmMaterial, high):
         pass

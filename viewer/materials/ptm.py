@@ -1,6 +1,6 @@
-"""A PTM on the graphics card, and the pictures that it makes: flat, or laid on a mesh."""
+"""A PTM, or its kin in another basis, on the graphics card."""
 
-import math
+from collections.abc import Mapping
 
 import moderngl
 import numpy as np
@@ -9,121 +9,183 @@ from numpy.typing import NDArray
 from litrig.base.errors import InputError
 from processing.mesh.model import Mesh
 from processing.ptm.model import Ptm
-from viewer.geometry import mesh_geometry, whole_picture
+from processing.ptm.relighting.brightest import brightest_light
+from processing.ptm.relighting.normals import normals_of
+from viewer.geometry import mesh_geometry
 from viewer.gl_context import GlContext
 from viewer.look import Look, Texture, UniformValue
+from viewer.materials.ptm_shading import PtmShading
 from viewer.renderer import Renderer, Size
 from viewer.view import View
 
 F32 = NDArray[np.float32]
-Light = tuple[float, float]
-BAND_TEXELS = 4 << 20
-"""A flat PTM is drawn in bands of rows of about so many texels, so that large ones need little memory."""
+_ROWS = 64
 
 
 class PtmMaterial:
-    """Six layers of coefficients, and the colour of the luminance, float32 as in the model; row 0 first."""
+    """A layer of coefficients for each term, and the colour of the luminance, float32 as in the model; row 0 first.
 
-    def __init__(self, gl: GlContext, ptm: Ptm, *, smooth: bool = False) -> None:
+    Normals, and the lights under which texels are brightest, are found once, where they will be wanted; they are laid
+    beside the coefficients. What is drawn can then change with every frame.
+    """
+
+    def __init__(
+        self,
+        gl: GlContext,
+        ptm: Ptm,
+        *,
+        smooth: bool = False,
+        normals: bool = False,
+        brightest: bool = False,
+    ) -> None:
         """Upload.
 
         Parameters
         ----------
         smooth : interpolate, and make smaller copies, for a surface that is seen at any size; coefficients are linear
+        normals : find the normals, which highlights and the view of normals want
+        brightest : find the brightest lights, which diffuse gain wants; of a polynomial of six terms
 
         Raises
         ------
         InputError
-            It is larger than the card takes.
+            It is larger than the card takes, or holds what are no numbers.
         """
-        _, height, width, channels = ptm.coefficients.shape
+        terms, height, width, channels = ptm.coefficients.shape
         largest = int(gl.moderngl.info["GL_MAX_TEXTURE_SIZE"])
         if max(width, height) > largest:
             raise InputError(
                 f"PTM: {width} × {height} texels, but this graphics driver ends at {largest}; cut or shrink it"
             )
-        self._is_luminance, self._is_display = ptm.colour is not None, ptm.space == "srgb"
-        colour = np.ones((1, 1, 3), np.float32) if ptm.colour is None else ptm.colour
-        self._layers = gl.moderngl.texture_array(
-            (width, height, 6), channels, _bytes(ptm.coefficients), alignment=1, dtype="f4"
-        )
-        self._factor = gl.moderngl.texture(
-            (colour.shape[1], colour.shape[0]), 3, _bytes(colour), alignment=1, dtype="f4"
-        )
-        for texture in (self._layers, self._factor):
+        if not np.all(np.isfinite(ptm.coefficients)):
+            raise InputError("PTM: holds coefficients that are no numbers; fit it again")
+        self.ptm = ptm
+        self.level_count = max(width, height).bit_length() if smooth else 1
+        self._textures: dict[str, Texture] = {
+            "coefficients": gl.moderngl.texture_array(
+                (width, height, terms), channels, _bytes(ptm.coefficients), alignment=1, dtype="f4"
+            )
+        }
+        planes = {"luminance_colour": ptm.colour} if ptm.colour is not None else {}
+        if normals:
+            planes["normals"] = normals_of(ptm)
+        if brightest:
+            planes["brightest"] = brightest_lights(ptm)
+        for name, plane in planes.items():
+            self._textures[name] = gl.moderngl.texture(
+                (width, height), plane.shape[2], _bytes(plane), alignment=1, dtype="f4"
+            )
+        for texture in self._textures.values():
             texture.repeat_x = texture.repeat_y = False
+            texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
             if smooth:
                 texture.build_mipmaps()
                 texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
 
-    def flat_look(self, light: Light) -> Look:
-        """Relight it as the picture that it is, texel by texel; draw it on `whole_picture` at its own size.
-
-        Row 0 is drawn at the bottom.
+    def flat_look(
+        self,
+        shading: PtmShading,
+        *,
+        as_light: bool = False,
+        texels_a_pixel: tuple[float, float] = (1.0, 1.0),
+        first_row: int = 0,
+        first_texel_row: int = 0,
+    ) -> Look:
+        """Shade it as the picture that it is; draw it on `whole_picture`. Row 0 is drawn at the bottom.
 
         Parameters
         ----------
-        light : x and y of the unit vector to the light, view frame
+        as_light : draw linear light, in which lights add up; otherwise values in the material's own space, under the
+            first light alone, whatever its colour
+        texels_a_pixel : across and down. Below 1 texels are seen as squares; above, each pixel is the mean of its own
+        first_row : of the picture's rows, the first that is drawn
+        first_texel_row : the row of the picture's texels, at its own size, that row 0 of this material is
 
         Raises
         ------
         InputError
-            The light is outside the unit disc.
+            The basis cannot be shaded so.
         """
-        _light_z(light)
-        uniforms: dict[str, UniformValue] = {"is_luminance": self._is_luminance, "light": light}
-        return Look("ptm_flat.frag", uniforms, self._textures(), vertex="flat.vert")
+        switches = set(self._switches(shading))
+        uniforms: dict[str, UniformValue] = {
+            "texels_a_pixel": texels_a_pixel,
+            "first_row": first_row,
+            "first_texel_row": first_texel_row,
+            **shading.controls(),
+        }
+        if max(texels_a_pixel) > 1:
+            switches.add("AVERAGED")
+        if shading.view == "lit":
+            if as_light:
+                switches.add("AS_LIGHT")
+                uniforms |= shading.light_array()
+            else:
+                uniforms["only_light"] = tuple(shading.lights.directions[0])
+            if as_light or "AVERAGED" in switches:
+                uniforms["is_display"] = self.ptm.space == "srgb"
+        return Look("ptm_flat.frag", uniforms, self._wanted(shading), "flat.vert", frozenset(switches))
 
-    def mesh_look(self, light: Light, *, occluded: bool = False) -> Look:
-        """Lay it on a mesh and light it from one direction of the view frame; no shadows are cast.
+    def mesh_look(self, shading: PtmShading, *, level: int | None = None, occluded: bool = False) -> Look:
+        """Lay it on a mesh; its lights are of the view frame, and cast no shadows.
 
         Parameters
         ----------
+        level : read this mip level everywhere; None reads the one that fits the surface's size on screen
         occluded : darken by the mesh's ambient occlusion
 
         Raises
         ------
         InputError
-            The light is outside the unit disc.
+            The level does not exist, or the basis cannot be shaded so.
         """
+        if level is not None and not 0 <= level < self.level_count:
+            raise InputError(f"PTM: there is no mip level {level}; there are 0 to {self.level_count - 1}")
         uniforms: dict[str, UniformValue] = {
-            "is_luminance": self._is_luminance,
-            "light_direction": (*light, _light_z(light)),
-            "is_display": self._is_display,
-            "occluded": occluded,
+            "level": -1.0 if level is None else float(level),
+            "occluded": occluded and shading.view == "lit",
+            **shading.controls(),
         }
-        return Look("ptm_mesh.frag", uniforms, self._textures())
+        if shading.view == "lit":
+            uniforms |= {"is_display": self.ptm.space == "srgb", **shading.light_array()}
+        return Look("ptm_mesh.frag", uniforms, self._wanted(shading), switches=self._switches(shading))
 
     def release(self) -> None:
-        self._layers.release()
-        self._factor.release()
+        for texture in self._textures.values():
+            texture.release()
 
-    def _textures(self) -> dict[str, Texture]:
-        return {"coefficients": self._layers, "luminance_colour": self._factor}
+    def _switches(self, shading: PtmShading) -> frozenset[str]:
+        shading.check(self.ptm.basis)
+        return shading.switches(self.ptm.basis, is_luminance=self.ptm.colour is not None)
+
+    def _wanted(self, shading: PtmShading) -> Mapping[str, Texture]:
+        if shading.view == "normals":
+            return {"normals": self._textures["normals"]}
+        without = set() if shading.gloss is not None else {"normals"}
+        if not shading.needs_brightest:
+            without.add("brightest")
+        return {name: texture for name, texture in self._textures.items() if name not in without}
 
 
-def ptm_picture(renderer: Renderer, ptm: Ptm, light: Light) -> F32:
-    """Relight a PTM flat, at its own size, which may be higher than the graphics driver's pictures.
-
-    Returns
-    -------
-    values : (H, W, 3) float32 in the PTM's own space, where 1 is white; not cut off. Row 0 on top
-
-    Raises
-    ------
-    InputError
-        The light is outside the unit disc, or the PTM is wider than the graphics driver takes.
-    GraphicsError
-        The graphics driver failed.
-    """
-    height, width = ptm.coefficients.shape[1:3]
-    rows = max(1, BAND_TEXELS // width)
-    bands = [_rows(ptm, start, start + rows) for start in range(0, height, rows)]
-    return np.concatenate([_band_picture(renderer, band, light) for band in bands])
+def brightest_lights(ptm: Ptm) -> F32:
+    """Find the light under which the luminance of each texel is largest, (H, W, 2): u and v."""
+    found = np.zeros((*ptm.shape, 2), np.float32)
+    for top in range(0, ptm.shape[0], _ROWS):
+        rows = slice(top, top + _ROWS)
+        found[rows] = brightest_light(ptm.coefficients[:, rows].astype(np.float64).mean(axis=-1))
+    return found
 
 
 def ptm_mesh_picture(
-    renderer: Renderer, ptm: Ptm, mesh: Mesh, view: View, light: Light, *, size: Size, supersample: int = 1
+    renderer: Renderer,
+    ptm: Ptm,
+    mesh: Mesh,
+    view: View,
+    shading: PtmShading,
+    *,
+    size: Size,
+    supersample: int = 1,
+    level: int | None = None,
+    occluded: bool = False,
 ) -> F32:
     """Draw a PTM on a mesh once: `PtmMaterial` and `PtmMaterial.mesh_look` in one.
 
@@ -131,32 +193,14 @@ def ptm_mesh_picture(
     -------
     picture : (H, W, 4) float32, linear light and straight coverage, row 0 on top
     """
+    shading.check(ptm.basis)
+    wanted = {"normals": shading.needs_normals, "brightest": shading.needs_brightest}
     with (
-        renderer.upload(PtmMaterial, ptm, smooth=True) as material,
+        renderer.upload(PtmMaterial, ptm, smooth=True, **wanted) as material,
         renderer.upload(mesh_geometry, mesh) as geometry,
     ):
-        return renderer.picture(material.mesh_look(light), geometry, view, size=size, supersample=supersample)
-
-
-def _band_picture(renderer: Renderer, band: Ptm, light: Light) -> F32:
-    size = (band.coefficients.shape[2], band.coefficients.shape[1])
-    with renderer.upload(PtmMaterial, band) as material, renderer.upload(whole_picture) as everything:
-        # Row 0 was drawn at the bottom.
-        return renderer.picture(material.flat_look(light), everything, size=size)[::-1, :, :3]
-
-
-def _light_z(light: Light) -> float:
-    square = light[0] ** 2 + light[1] ** 2
-    if not square <= 1:
-        raise InputError(
-            f"light: ({light[0]:g}, {light[1]:g}) is no direction; give x and y of a unit vector, x² + y² ≤ 1"
-        )
-    return math.sqrt(1 - square)
-
-
-def _rows(ptm: Ptm, start: int, end: int) -> Ptm:
-    colour = None if ptm.colour is None else ptm.colour[start:end]
-    return Ptm(ptm.coefficients[:, start:end], colour, ptm.space, ptm.source)
+        look = material.mesh_look(shading, level=level, occluded=occluded)
+        return renderer.picture(look, geometry, view, size=size, supersample=supersample)
 
 
 def _bytes(values: F32) -> bytes:

@@ -10,19 +10,23 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from litrig.base.errors import InputError
-from processing.ptm.files.either import holds_material
+from processing.ptm.files.either import holds_material, read_any
 from processing.ptm.model import Ptm
+from viewer.flat_picture import flat_picture
 from viewer.geometry import Geometry
 from viewer.look import Look
-from viewer.materials.ptm import PtmMaterial, ptm_picture
-from viewer.opened import open_look, read_ptm_to_draw
+from viewer.materials.ptm import PtmMaterial
+from viewer.materials.ptm_shading import DEFAULT_LIGHT, PtmShading, shading_lights
+from viewer.motion import Moment
+from viewer.opened import open_looks
 from viewer.renderer import Renderer
-from viewer.save import save_flat
-from viewer.staging import DEFAULT_LIGHT, DEFAULT_MESH, Staging
+from viewer.save import save_values
+from viewer.staging import DEFAULT_MESH, Staging
+from viewer.view import View
 from viewer.window.state import Light
 
-Looks = Callable[[Light], Look]
-"""Says how the material looks under a light; cheap."""
+Looks = Callable[[View | None, Light], Look]
+"""Says how the material looks in a view, or flat, under a light; cheap."""
 
 
 @dataclass(frozen=True)
@@ -62,19 +66,20 @@ class Material:
             The file is missing, damaged or of an unknown kind, or does not go with the mesh.
         """
         if self.ptm is None:
-            with open_look(renderer, self.file, Staging(mesh), geometry) as look:
-                yield lambda _: look
+            with open_looks(renderer, self.file, Staging(mesh), geometry) as looks:
+                yield lambda view, _: looks(Moment(view or View()))
             return
         # Flat, the stored values are the display's values, whatever was fitted.
         ptm = replace(self.ptm, space="srgb") if mesh is None else self.ptm
         with renderer.upload(PtmMaterial, ptm, smooth=True) as material:
-            yield material.mesh_look
+            yield lambda _, light: material.mesh_look(_lit(light))
 
     def save_flat(self, renderer: Renderer, path: Path, light: Light) -> None:
         """Write the picture that it is, at its own size, by the code of `litrig render`."""
         if self.ptm is None:
             raise InputError(f"{self.file}: is no flat picture; choose a mesh")
-        save_flat(path, ptm_picture(renderer, self.ptm, light), self.ptm)
+        values = flat_picture(renderer, self.ptm, _lit(light))
+        save_values(path, values, are_display=self.ptm.space == "srgb")
 
 
 def read_material(file: Path) -> Material:
@@ -86,7 +91,11 @@ def read_material(file: Path) -> Material:
         The file is missing or damaged; what is no PTM is looked at when it is laid on a mesh.
     """
     if holds_material(file):
-        return Material(file, read_ptm_to_draw(file))
+        return Material(file, read_any(file))
     if not file.exists():
         raise InputError(f"{file}: no such file; check the name")
     return Material(file, None)
+
+
+def _lit(light: Light) -> PtmShading:
+    return PtmShading(shading_lights((light,)))

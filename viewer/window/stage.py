@@ -110,7 +110,8 @@ class Stage:
 
     def _draw(self, shown: Shown, target: Target) -> None:
         dressed = self._dressed(shown.mesh)
-        self._renderer.draw(dressed.looks(_light(shown)), dressed.geometry, target, self._camera(shown, target.size))
+        look = dressed.looks(None if shown.mesh is None else shown.view, _light(shown))
+        self._renderer.draw(look, dressed.geometry, target, self._camera(shown, target.size))
 
     def _camera(self, shown: Shown, size: Size) -> View | Camera:
         if shown.mesh is None and self._material.flat_size is not None:

@@ -35,7 +35,7 @@ class FolderLock:
         try:
             fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
-            holder = _holder(os.fstat(self._descriptor).st_ino)
+            holder = _holder(os.fstat(self._descriptor).st_ino) or "another process"
             os.close(self._descriptor)
             raise InputError(f"{folder}: is being written by {holder}; wait for its end, or end it") from error
 
@@ -46,8 +46,27 @@ class FolderLock:
             self._descriptor = -1
 
 
+def who_writes(folder: Path) -> str:
+    """Name the process that writes into a capture folder, without getting into its way; empty if none is known.
+
+    What the kernel lists may be a file of the same number on another disk, so a lock listed there is tried; where none
+    is, nothing is touched.
+    """
+    try:
+        with (folder / layout.JOURNAL).open("rb") as journal:
+            holder = _holder(os.fstat(journal.fileno()).st_ino)
+            if not holder:
+                return ""
+            fcntl.flock(journal, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            return ""
+    except BlockingIOError:
+        return holder
+    except OSError:
+        return ""
+
+
 def _holder(inode: int) -> str:
-    """Name the process that has a file locked, as the kernel lists it."""
+    """Name the process that has a file locked, as the kernel lists it; empty if it lists none."""
     try:
         lines = LOCKS.read_text().splitlines()
     except OSError:
@@ -56,4 +75,4 @@ def _holder(inode: int) -> str:
         words = line.split()
         if "FLOCK" in words and words[-3].endswith(f":{inode}"):
             return f"process {words[-4]}"
-    return "another process"
+    return ""

@@ -29,6 +29,28 @@ class Lights(NamedTuple):
         """Make all of them 2^EV times as strong."""
         return self._replace(colours=self.colours * 2.0**exposure_ev)
 
+    def softened(self, radius_deg: float, samples: int) -> "Lights":
+        """Make each light a disc of an angular radius, evenly bright: so many lights of a share each.
+
+        The samples are spread evenly over the disc's solid angle, on a spiral. What of a disc is below the horizon does
+        not light the sample.
+
+        Parameters
+        ----------
+        radius_deg : 0 to 90; 0 changes nothing
+        """
+        if radius_deg == 0:
+            return self
+        number = (np.arange(samples) + 0.5) / samples
+        z = 1 - number * (1 - np.cos(np.radians(radius_deg)))
+        azimuth = np.arange(samples) * np.pi * (3 - np.sqrt(5))
+        flat = np.sqrt(1 - z * z)
+        spiral = np.stack([flat * np.cos(azimuth), flat * np.sin(azimuth), z], axis=-1)
+        directions = np.concatenate([spiral @ _frame(direction) for direction in self.directions])
+        colours = np.repeat(self.colours / samples, samples, axis=0)
+        above = directions[:, 2] >= 0
+        return Lights(directions[above], colours[above])
+
     def gathered(self, rings: int) -> "Lights":
         """Replace the lights of each cell of the half-sphere by one, in the middle of their luminance.
 
@@ -55,6 +77,14 @@ def lamps(positions: Sequence[tuple[float, float]], colours: Sequence[tuple[floa
     z = np.sqrt(np.maximum(1 - np.sum(flat**2, axis=1), 0))
     chosen = np.asarray(colours, np.float64).reshape(-1, 3) if colours else np.ones((len(flat), 3))
     return Lights(np.column_stack([flat, z]), chosen)
+
+
+def _frame(direction: F64) -> F64:
+    """Return two directions across a unit one, and that one, in rows (3, 3)."""
+    aside = np.eye(3)[np.argmin(np.abs(direction))]
+    right = np.cross(aside, direction)
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(direction, right), direction])
 
 
 def _sums(cell: NDArray[np.int64], values: F64, cells: int) -> F64:

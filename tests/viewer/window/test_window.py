@@ -22,6 +22,7 @@ from tests.viewer.window.materials import DISPLAY_STEPS, Codes, shown_codes, sof
 from viewer.cli import render
 from viewer.materials.amc import amc_picture
 from viewer.materials.ptm import ptm_mesh_picture
+from viewer.materials.ptm_shading import PtmShading, shading_lights
 from viewer.renderer import Renderer
 from viewer.window.saving import render_command
 from viewer.window.state import Button, Hand, start
@@ -119,7 +120,11 @@ def test_a_ptm_is_lit_turned_zoomed_and_saved(screen: Desktop, renderer: Rendere
         shown = window.hand.shown
         assert shown.mesh is not None and shown.light is not None
         mesh, _ = mesh_of(shown.mesh)
-        return shown_codes(ptm_mesh_picture(renderer, ptm, mesh, shown.view, shown.light, size=SIZE, supersample=3))
+        return shown_codes(
+            ptm_mesh_picture(
+                renderer, ptm, mesh, shown.view, PtmShading(shading_lights((shown.light,))), size=SIZE, supersample=3
+            )
+        )
 
     with opened(screen, tmp_path, start(None, MESHES, (-0.4, 0.4)), file) as window:
         window.sees(flat(), "the flat PTM")

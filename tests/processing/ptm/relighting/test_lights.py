@@ -39,3 +39,24 @@ def test_one_light_stays_where_it_is() -> None:
 
 def test_dark_cells_are_left_out() -> None:
     assert len(lamps([(0.5, 0.5), (-0.5, 0.5)], [(0, 0, 0), (0, 0, 1)]).gathered(3).colours) == 1
+
+
+def test_a_softened_light_is_a_disc_of_its_colour_in_all() -> None:
+    lights = lamps([(0.3, -0.2)], [(2, 1, 0.5)])
+    soft = lights.softened(12, 40)
+    off_deg = np.degrees(np.arccos(np.clip(soft.directions @ lights.directions[0], -1, 1)))
+    assert (len(off_deg), soft.colours.sum(axis=0).tolist()) == (40, pytest.approx([2, 1, 0.5]))
+    assert off_deg.max() == pytest.approx(12, abs=0.2)
+    assert np.mean(off_deg < 6) == pytest.approx(0.25, abs=0.03), "spread evenly over the disc"
+    assert np.linalg.norm(soft.directions, axis=1) == pytest.approx(1)
+
+
+def test_what_of_a_soft_light_is_below_the_horizon_gives_nothing() -> None:
+    low = lamps([(1, 0)]).softened(10, 200)
+    assert np.all(low.directions[:, 2] >= 0)
+    assert low.colours.sum(axis=0) == pytest.approx([0.5] * 3, abs=0.03)
+
+
+def test_a_light_of_no_size_stays_as_it_is() -> None:
+    lights = lamps([(0.3, 0.2)])
+    assert lights.softened(0, 16) is lights

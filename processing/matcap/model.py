@@ -1,0 +1,47 @@
+"""A MatCap taken apart (MatCap Decomposition for Dynamic Appearance Manipulation, sections 3 and 4)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from litrig.base.table_normals import TableNormal
+
+F32 = NDArray[np.float32]
+Colour = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Component:
+    """The low or the high frequencies: white light that a material's filter has blurred, over all directions.
+
+    Attributes
+    ----------
+    front, back : (S, S, 3) float32, linear light, white-balanced; a dual paraboloid map as `paraboloid` has it
+    base_colour : α₀, the material's colour, linear
+    slope : μ, 0 to 1. What is seen at an angle θ off the view axis lies at θ·(1 + μ) in the maps
+    filter_size : ν, the variance of the material's filter in radians squared
+    """
+
+    front: F32
+    back: F32
+    base_colour: Colour
+    slope: float
+    filter_size: float
+
+
+@dataclass(frozen=True)
+class DecomposedMatcap:
+    """The sum of two components.
+
+    Attributes
+    ----------
+    low, high : components, whose maps are of one size
+    table_normal : how a perspective picture's normal is brought to the view axis before the maps are asked
+    source : digest of the MatCap that was taken apart
+    """
+
+    low: Component
+    high: Component
+    table_normal: TableNormal = TableNormal.RECTIFIED
+    source: str = ""

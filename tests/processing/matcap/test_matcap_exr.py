@@ -1,0 +1,140 @@
+import dataclasses
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenEXR
+import pytest
+
+from litrig.base.errors import FormatError, InputError
+from litrig.base.table_normals import TableNormal
+from processing.matcap.matcap_exr import KEY, KIND, read_matcap, write_matcap
+from processing.matcap.model import DecomposedMatcap
+from tests.processing.matcap.maps import analytic
+
+GOOD = analytic(8, TableNormal.CAMERA)
+
+
+def test_what_is_written_is_read_bit_by_bit(tmp_path: Path) -> None:
+    write_matcap(tmp_path / "x.matcap.exr", GOOD)
+    found = read_matcap(tmp_path / "x.matcap.exr")
+    for name in ("low", "high"):
+        wanted, got = dataclasses.asdict(getattr(GOOD, name)), dataclasses.asdict(getattr(found, name))
+        for field, value in wanted.items():
+            np.testing.assert_array_equal(got[field], value)
+    assert (found.table_normal, found.source) == (TableNormal.CAMERA, "analytic")
+
+
+def test_another_reader_finds_the_parts_and_the_parameters(tmp_path: Path) -> None:
+    write_matcap(tmp_path / "x.matcap.exr", GOOD)
+    with OpenEXR.File(str(tmp_path / "x.matcap.exr")) as exr:
+        assert [part.name() for part in exr.parts] == ["low.front", "low.back", "high.front", "high.back"]
+        np.testing.assert_array_equal(exr.parts[3].channels["RGB"].pixels, GOOD.high.back)
+        assert all(part.header["litrig.kind"] == KIND for part in exr.parts)
+        told = json.loads(exr.parts[0].header[KEY])
+    assert told["high"] == {"base_colour": [0.6, 0.6, 0.7], "slope": 0.9, "filter_size": 0.02}
+    assert told["litrig"]
+
+
+def changed(**low: Any) -> DecomposedMatcap:
+    return dataclasses.replace(GOOD, low=dataclasses.replace(GOOD.low, **low))
+
+
+@pytest.mark.parametrize(
+    ("name", "matcap", "reason"),
+    [
+        pytest.param("x.exr", GOOD, "end the name in .matcap.exr", id="an ending"),
+        pytest.param("x.matcap.exr", changed(front=GOOD.low.front[:4]), "give four of", id="no square"),
+        pytest.param("x.matcap.exr", changed(back=analytic(4).low.back), "give four of", id="two sizes"),
+        pytest.param("x.matcap.exr", changed(front=GOOD.low.front * np.nan), "what is no number", id="NaN"),
+        pytest.param("x.matcap.exr", changed(slope=1.5), r"low\.slope: Input should be less", id="slope"),
+        pytest.param("x.matcap.exr", changed(filter_size=np.inf), r"low\.filter_size", id="filter size"),
+        pytest.param("x.matcap.exr", changed(base_colour=(1, -1, 1)), r"low\.base_colour\.1", id="colour"),
+    ],
+)
+def test_what_is_no_decomposed_matcap_is_not_written(
+    tmp_path: Path, name: str, matcap: DecomposedMatcap, reason: str
+) -> None:
+    with pytest.raises(InputError, match=reason):
+        write_matcap(tmp_path / name, matcap)
+    assert not any(tmp_path.iterdir())
+
+
+def rewritten(path: Path, change: Callable[[list[dict[str, Any]], list[np.ndarray]], None]) -> None:
+    """Write a good file whose heads and pixels were changed."""
+    write_matcap(path, GOOD)
+    with OpenEXR.File(str(path)) as exr:
+        heads = [
+            {k: v for k, v in part.header.items() if k in ("type", "name", "displayWindow", "litrig.kind", KEY)}
+            for part in exr.parts
+        ]
+        pixels = [part.channels["RGB"].pixels for part in exr.parts]
+    change(heads, pixels)
+    parts = [OpenEXR.Part(head, {"RGB": texels}) for head, texels in zip(heads, pixels, strict=True)]
+    OpenEXR.File(parts).write(str(path))
+
+
+def told(**changes: Any) -> Callable[[list[dict[str, Any]], list[np.ndarray]], None]:
+    def change(heads: list[dict[str, Any]], _: list[np.ndarray]) -> None:
+        for head in heads:
+            head[KEY] = json.dumps({**json.loads(head[KEY]), **changes})
+
+    return change
+
+
+def other_kind(heads: list[dict[str, Any]], _: list[np.ndarray]) -> None:
+    heads[2]["litrig.kind"] = "picture"
+
+
+def part_missing(heads: list[dict[str, Any]], pixels: list[np.ndarray]) -> None:
+    del heads[1], pixels[1]
+
+
+def not_square(_: list[dict[str, Any]], pixels: list[np.ndarray]) -> None:
+    pixels[0] = pixels[0][:5].copy()
+
+
+def of_another_size(_: list[dict[str, Any]], pixels: list[np.ndarray]) -> None:
+    pixels[3] = np.zeros((6, 6, 3), np.float32)
+
+
+def not_a_number(_: list[dict[str, Any]], pixels: list[np.ndarray]) -> None:
+    pixels[2] = np.full_like(pixels[2], np.nan)
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        pytest.param(other_kind, "is of kind matcap-decomposed, picture, not", id="kind"),
+        pytest.param(part_missing, "has parts low.front, high.front", id="part"),
+        pytest.param(not_square, "claims maps of 8 × 5; they are square", id="square"),
+        pytest.param(of_another_size, "part high.back is not 8 × 8", id="size"),
+        pytest.param(not_a_number, "part high.front holds values that are no numbers", id="NaN"),
+        pytest.param(told(table_normal="sideways"), "table_normal", id="table normal"),
+        pytest.param(told(extra=1), "extra", id="an unknown key"),
+        pytest.param(told(low={"base_colour": [1, 1, 1], "slope": 2, "filter_size": 0}), r"low\.slope", id="slope"),
+    ],
+)
+def test_a_file_that_contradicts_itself_is_refused(
+    tmp_path: Path, change: Callable[[list[dict[str, Any]], list[np.ndarray]], None], reason: str
+) -> None:
+    rewritten(tmp_path / "x.matcap.exr", change)
+    with pytest.raises(FormatError, match=reason) as caught:
+        read_matcap(tmp_path / "x.matcap.exr")
+    assert "x.matcap.exr" in str(caught.value) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.02, 0.3, 0.7, 0.95])
+def test_a_file_cut_short_is_refused(tmp_path: Path, share: float) -> None:
+    write_matcap(tmp_path / "x.matcap.exr", GOOD)
+    content = (tmp_path / "x.matcap.exr").read_bytes()
+    (tmp_path / "x.matcap.exr").write_bytes(content[: int(share * len(content))])
+    with pytest.raises(FormatError, match=r"x\.matcap\.exr"):
+        read_matcap(tmp_path / "x.matcap.exr")
+
+
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such file"):
+        read_matcap(tmp_path / "x.matcap.exr")
