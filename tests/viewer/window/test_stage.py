@@ -14,6 +14,7 @@ from litrig.base.pictures import read_linear
 from litrig.base.radiometry import to_u8
 from processing.amc.files.ktx2 import write_amc
 from processing.mesh.either import mesh_of
+from processing.ptm.basis import Basis
 from processing.ptm.files.ptm_exr import write_ptm_exr
 from processing.ptm.files.ptm_file import read_ptm, write_ptm
 from processing.ptm.relighting.relight import relight
@@ -31,6 +32,7 @@ from viewer.window.state import Shown
 from viewer.window.turn import of_angles
 
 SIZE = (90, 70)
+HSH = Basis("hsh", 4)
 TURNED = of_angles(20, 35, 50)
 
 
@@ -40,6 +42,10 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_amc(folder / "brushed.amc.ktx2", brushed_amc(16, 8))
     write_ptm(folder / "soft.ptm", soft_ptm(*SIZE))
     write_ptm_exr(folder / "linear.ptm.exr", dataclasses.replace(soft_ptm(*SIZE), space="linear"))
+    soft = soft_ptm(*SIZE)
+    write_ptm_exr(
+        folder / "harmonics.ptm.exr", dataclasses.replace(soft, coefficients=soft.coefficients[2:], basis=HSH)
+    )
     return folder
 
 
@@ -119,8 +125,9 @@ def test_nothing_is_drawn_twice(renderer: Renderer, files: Path) -> None:
         ("soft.ptm", Shown("torus", (0.2, 0.6), TURNED, Projection.ORTHOGRAPHIC)),
         ("soft.ptm", Shown(None, (0.2, 0.6))),
         ("linear.ptm.exr", Shown(None, (0.2, 0.6))),
+        ("harmonics.ptm.exr", Shown("pillow", (0.2, 0.6))),
     ],
-    ids=["an AMC", "a PTM on a mesh", "a flat PTM", "a flat linear PTM"],
+    ids=["an AMC", "a PTM on a mesh", "a flat PTM", "a flat linear PTM", "an HSH on a mesh"],
 )
 def test_a_snapshot_is_the_file_that_its_command_writes(
     renderer: Renderer, files: Path, tmp_path: Path, name: str, shown: Shown, ending: str
