@@ -20,7 +20,7 @@ from litrig.simulated import CHANNEL_VARIABLE, announce
 from processing.amc.cli import amc
 from processing.ptm.cli import ptm
 from rig.cli import rig
-from viewer.cli import render
+from viewer.cli import render, view
 
 INTERRUPTED_STATUS = 130
 OUTPUT_IS_LOST = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EPIPE})
@@ -33,7 +33,8 @@ def cli(context: click.Context) -> None:
     """Capture materials with a turntable and a light arm, and show them.
 
     A session goes into a capture folder (litrig capture), the folder becomes a material (litrig amc, litrig ptm), and
-    the material becomes pictures (litrig render). Everything runs without hardware too (litrig sim).
+    the material becomes pictures (litrig render) or is looked at (litrig view). Everything runs without hardware too
+    (litrig sim).
     """
     if channel := os.environ.get(CHANNEL_VARIABLE):
         context.obj = Foresight(lambda steps, report: announce(Path(channel), steps, report))
@@ -71,7 +72,7 @@ def demo(folder: Path, scene: str | None, small: bool) -> None:
     click.echo(f"The demo is complete: open {page}")
 
 
-for command in (sim, rig, capture, amc, ptm, render):
+for command in (sim, rig, capture, amc, ptm, render, view):
     cli.add_command(command)
 
 

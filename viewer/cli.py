@@ -10,7 +10,7 @@ Colour = tuple[float, float, float]
 
 _SIDE_PX = click.IntRange(1, 8192)
 _FOR_A_MESH = frozenset(
-    {"projection", "yaw_deg", "pitch_deg", "fov_deg", "background", "supersample", "occlusion", "tangents"}
+    {"projection", "yaw_deg", "pitch_deg", "roll_deg", "fov_deg", "background", "supersample", "occlusion", "tangents"}
 )
 
 
@@ -175,6 +175,9 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
     help="Tip its top to the camera.",
 )
 @click.option(
+    "--roll", "roll_deg", metavar="DEG", type=float, default=0.0, help="Turn it about the line of sight, last of all."
+)
+@click.option(
     "--fov", "fov_deg", metavar="DEG", type=float, default=30.0, show_default=True, help="Field of view in perspective."
 )
 @click.option(
@@ -258,6 +261,7 @@ def render(
     projection: str,
     yaw_deg: float,
     pitch_deg: float,
+    roll_deg: float,
     fov_deg: float,
     zoom: float,
     background: Colour | None,
@@ -292,7 +296,7 @@ def render(
         motion = Motion(Course.TURNTABLE, turntable_frames, fps)
     elif tour_frames is not None:
         motion = Motion(Course.TOUR, tour_frames, fps)
-    view = View(Projection(projection), yaw_deg, pitch_deg, fov_deg, zoom)
+    view = View(Projection(projection), yaw_deg, pitch_deg, fov_deg, zoom, roll_deg)
     staging = Staging(
         *(mesh, size_px, view, background, supersample),
         amc=AmcStaging(directions, turn_deg, Coordinates(coordinates), unlit, key, add),
@@ -318,3 +322,31 @@ def _given_mesh_options() -> tuple[str, ...]:
         for option in context.command.params
         if option.name in _FOR_A_MESH and context.get_parameter_source(option.name) is ParameterSource.COMMANDLINE
     )
+
+
+@click.command(epilog="Example: litrig view brushed.amc.ktx2 --mesh cloth")
+@click.argument("file", type=click.Path(path_type=Path))
+@click.option(
+    "--mesh",
+    metavar="NAME|FILE",
+    help="What to show it on at first: torus, sphere, cloth, ribbon, pillow, sewn, shirt, or a file (OBJ, PLY, GLB, "
+    "STL).",
+)
+@click.option("--size", "size_px", metavar="W H", type=(_SIDE_PX, _SIDE_PX), help="Pixels of the picture at first.")
+@click.option(
+    "--snapshots",
+    metavar="DIR",
+    type=click.Path(path_type=Path, file_okay=False, exists=True),
+    default=Path(),
+    help="Where snapshots go; the current folder if left out.",
+)
+def view(file: Path, mesh: str | None, size_px: tuple[int, int] | None, snapshots: Path) -> None:
+    """Show a material in a window: turn it, light it, zoom, try it on other meshes.
+
+    The object turns before a camera and under a light that stand still, for a captured table has its light in it. A
+    PTM's light follows the right mouse button, and without --mesh it is shown flat. Snapshots are the pictures that
+    litrig render makes.
+    """
+    from viewer.window.run import view_file
+
+    view_file(file, mesh, size_px, snapshots)

@@ -1,4 +1,4 @@
-"""An OpenGL context that needs no display.
+"""An OpenGL context that needs no display, or that of a window.
 
 EGL opens it, on a graphics card or on Mesa's software rasteriser. What the loader says when a library is missing names
 no package; that is translated here.
@@ -50,6 +50,24 @@ def open_context(open_backend: Callable[[], Any] = open_egl) -> GlContext:
     try:
         backend = open_backend()
         context = moderngl.create_context(require=_VERSION, standalone=True, context=backend)
+    except Exception as error:  # the loader raises plain Exception
+        raise MissingToolError(_advice(str(error))) from error
+    return GlContext(context, backend)
+
+
+def adopt_context() -> GlContext:
+    """Take the OpenGL context that a window has just made current; the window keeps it, and outlives what adopts it.
+
+    Raises
+    ------
+    MissingToolError
+        There is none, or it is older than 3.3.
+    """
+    try:
+        backend = glcontext.default_backend()(
+            mode="detect", glversion=_VERSION, libgl="libGL.so.1", libx11="libX11.so.6"
+        )
+        context = moderngl.create_context(require=_VERSION, context=backend)
     except Exception as error:  # the loader raises plain Exception
         raise MissingToolError(_advice(str(error))) from error
     return GlContext(context, backend)

@@ -64,7 +64,7 @@ def render_file(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
 @contextmanager
 def _drawing(file: Path, staging: Staging) -> Iterator[Drawn]:
     """Open all that is drawn; yields what draws one moment, (H, W, 4) float32, linear light and straight coverage."""
-    mesh = _staged_mesh(staging)
+    mesh = staged_mesh(staging)
     size = staging.size_px or DEFAULT_SIZE_PX
     with Renderer() as renderer, ExitStack() as held:
         geometry = held.enter_context(renderer.upload(mesh_geometry, mesh))
@@ -104,7 +104,8 @@ def _staged_beside(staging: Staging, file: Path) -> Staging:
     return dataclasses.replace(staging, amc=amc, ptm=PtmStaging(), motion=motion)
 
 
-def _staged_mesh(staging: Staging) -> Mesh:
+def staged_mesh(staging: Staging) -> Mesh:
+    """Make or read the mesh with its grain as it is staged; what a file lacks is said on standard error."""
     mesh, remarks = mesh_of(staging.mesh or DEFAULT_MESH)
     for remark in remarks:
         echo(remark, err=True)

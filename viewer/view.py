@@ -12,7 +12,7 @@ from processing.reference.camera import Camera
 
 F64 = NDArray[np.float64]
 
-_MARGIN = 1.06
+MARGIN = 1.06
 """The unit sphere, in which the object is, leaves this much room around itself."""
 _DEPTH = 1.05
 
@@ -32,6 +32,7 @@ class View:
     pitch_deg : then tips it about the view's x axis; positive shows more of its top
     fov_deg : field of view across the shorter side of a perspective picture
     zoom : 1 shows the whole unit sphere
+    roll_deg : last, turns the object about the line of sight; positive is counter-clockwise as the camera sees it
     """
 
     projection: Projection = Projection.PERSPECTIVE
@@ -39,10 +40,13 @@ class View:
     pitch_deg: float = 0.0
     fov_deg: float = 30.0
     zoom: float = 1.0
+    roll_deg: float = 0.0
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.yaw_deg) and math.isfinite(self.pitch_deg)):
-            raise InputError(f"view: yaw {self.yaw_deg:g} and pitch {self.pitch_deg:g} must be finite; give degrees")
+        angles_deg = (self.yaw_deg, self.pitch_deg, self.roll_deg)
+        if not all(map(math.isfinite, angles_deg)):
+            yaw, pitch, roll = angles_deg
+            raise InputError(f"view: yaw {yaw:g}, pitch {pitch:g} and roll {roll:g} must be finite; give degrees")
         if not 1 <= self.fov_deg <= 120:
             raise InputError(f"view: a field of view of {self.fov_deg:g} deg is outside 1..120 deg")
         if not 0.01 <= self.zoom <= 100:
@@ -54,11 +58,11 @@ class View:
         if shorter < 1:
             raise InputError(f"picture: {size[0]} × {size[1]} pixels are none; ask for at least one each way")
         narrow = np.array([shorter / size[0], shorter / size[1]]) * self.zoom
-        rotation = _about_x(self.pitch_deg) @ _about_y(self.yaw_deg)
+        rotation = _about_z(self.roll_deg) @ _about_x(self.pitch_deg) @ _about_y(self.yaw_deg)
         if self.projection is Projection.ORTHOGRAPHIC:
-            return Camera(rotation, _orthographic(narrow / _MARGIN), None)
+            return Camera(rotation, _orthographic(narrow / MARGIN), None)
         half_fov_rad = math.radians(self.fov_deg) / 2
-        eye_distance = _MARGIN / math.sin(half_fov_rad)
+        eye_distance = MARGIN / math.sin(half_fov_rad)
         return Camera(rotation, _perspective(narrow / math.tan(half_fov_rad), eye_distance), eye_distance)
 
 
@@ -86,3 +90,8 @@ def _about_x(angle_deg: float) -> F64:
 def _about_y(angle_deg: float) -> F64:
     c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
     return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+
+
+def _about_z(angle_deg: float) -> F64:
+    c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
+    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])

@@ -87,7 +87,10 @@ def test_a_file_without_small_levels_gets_them(files: Path, tmp_path: Path) -> N
 
 @pytest.mark.parametrize(
     "option",
-    [["--yaw", "40"], ["--pitch", "70"], ["--fov", "60"], ["--zoom", "1.5"], ["--projection", "orthographic"]],
+    [
+        *(["--yaw", "40"], ["--pitch", "70"], ["--roll", "50"], ["--fov", "60"], ["--zoom", "1.5"]),
+        ["--projection", "orthographic"],
+    ],
     ids=" ".join,
 )
 def test_every_option_of_the_view_changes_the_picture(files: Path, tmp_path: Path, option: list[str]) -> None:

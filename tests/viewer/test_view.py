@@ -58,15 +58,19 @@ def test_pixels_are_square(projection: Projection) -> None:
         pytest.param(
             View(yaw_deg=90, pitch_deg=90), (1, 0, 0), (0, 1, 0), id="yaw first: the right goes back, then up"
         ),
+        pytest.param(View(roll_deg=90), (1, 0, 0), (0, 1, 0), id="roll brings the right to the top"),
+        pytest.param(
+            View(pitch_deg=90, roll_deg=90), (0, 0, -1), (-1, 0, 0), id="roll last: the far end comes up, then left"
+        ),
     ],
 )
 def test_angles_turn_the_object(view: View, moves: tuple[int, ...], to: tuple[int, ...]) -> None:
     np.testing.assert_allclose(view.camera((9, 9)).view_from_object @ np.array(moves), to, atol=1e-12)
 
 
-@given(yaw_deg=angles_deg, pitch_deg=angles_deg)
-def test_a_turn_is_a_rotation(yaw_deg: float, pitch_deg: float) -> None:
-    turn = View(yaw_deg=yaw_deg, pitch_deg=pitch_deg).camera((9, 9)).view_from_object
+@given(yaw_deg=angles_deg, pitch_deg=angles_deg, roll_deg=angles_deg)
+def test_a_turn_is_a_rotation(yaw_deg: float, pitch_deg: float, roll_deg: float) -> None:
+    turn = View(yaw_deg=yaw_deg, pitch_deg=pitch_deg, roll_deg=roll_deg).camera((9, 9)).view_from_object
     np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-12)
     assert np.linalg.det(turn) == pytest.approx(1)
 
@@ -100,6 +104,7 @@ def test_zoom_magnifies(zoom: float) -> None:
     [
         ({"yaw_deg": math.nan}, "yaw nan"),
         ({"pitch_deg": math.inf}, "pitch inf"),
+        ({"roll_deg": math.nan}, "roll nan"),
         ({"fov_deg": 0}, "field of view of 0 deg"),
         ({"fov_deg": 180}, "field of view of 180 deg"),
         ({"fov_deg": math.nan}, "field of view of nan deg"),
