@@ -136,7 +136,7 @@ class CaptureFolderWriter:
         return self._journal.append(event, **fields)
 
     def unused_name(self, stem: str, ending: str) -> str:
-        """Return a name below frames/ that no file has or had, for nothing is ever overwritten, whether it counts or not.
+        """Return a name below frames/ that no file has or had, for nothing is ever overwritten, counting or not.
 
         It is the stem with the ending, or with `_try2`, `_try3` and so on before the ending.
         """
