@@ -81,9 +81,9 @@ def _shoots_the_missing(folder: Path, fates: Mapping[int, str]) -> bool:
     shot = [entry["step"] for entry in read_journal(folder / layout.JOURNAL)[before:] if entry["ev"] == "frame"]
     kept = all(path.read_bytes() == content for path, content in strangers.items())
     harmed = {number for number, fate in fates.items() if fate in ("damaged", "shortened", "lost")}
-    findings = verify_capture(folder).findings
-    named = len(findings) == len(harmed) and all(any(good[n]["file"] in it for it in findings) for n in harmed)
-    return sorted(shot) == sorted(missing) and kept and named and layout.is_closed(folder)
+    checked = verify_capture(folder)
+    told = not checked.findings and set(checked.harmed) == {good[number]["file"] for number in harmed}
+    return sorted(shot) == sorted(missing) and kept and told and layout.is_closed(folder)
 
 
 def _shoot_part(folder: Path, wanted: list[int], recalled: list[int]) -> None:
