@@ -15,13 +15,12 @@ $(VENV)/ready: requirements-dev.lock pyproject.toml scripts/setup tests/npm/pack
 demo: setup
 	$(BIN)/litrig demo --out $(OUT)
 
-# What talks to simulated devices keeps their time, and is not run side by side.
-SIDE_BY_SIDE := tests/base tests/oracle tests/processing tests/viewer \
-	$(addprefix tests/firmware_sim/,dynamixel grbl mitsuba scene)
+# What measures the simulators' own times has the machine to itself; all else keeps them also side by side.
+ALONE := tests/firmware_sim/camera tests/firmware_sim/udmx $(wildcard tests/firmware_sim/test_*.py)
 
 test: setup
-	$(BIN)/python -m pytest -n auto --dist worksteal $(SIDE_BY_SIDE)
-	$(BIN)/python -m pytest $(SIDE_BY_SIDE:%=--ignore=%)
+	$(BIN)/python -m pytest -n auto --dist worksteal $(ALONE:%=--ignore=%)
+	$(BIN)/python -m pytest $(ALONE)
 
 check: setup
 	$(BIN)/ruff format --check .

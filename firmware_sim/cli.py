@@ -5,10 +5,6 @@ from pathlib import Path
 
 import click
 
-from firmware_sim.config import read_sim
-from firmware_sim.foreground import run_in_front
-from firmware_sim.launch import simulated_rig
-
 
 @click.group()
 def sim() -> None:
@@ -29,6 +25,10 @@ def run(context: click.Context, sim_toml: Path, command: tuple[str, ...]) -> Non
     describes them. Nothing in litrig knows that they are simulated. If COMMAND is killed, the devices keep their state
     until it is over, so that a shell as COMMAND can start something again. The exit status is that of COMMAND.
     """
+    from firmware_sim.config import read_sim
+    from firmware_sim.foreground import run_in_front
+    from firmware_sim.launch import simulated_rig
+
     command = command[1:] if command[0] == "--" else command  # the parser stops at SIM.toml and leaves it in
     if not command:
         raise click.UsageError("name a COMMAND to run, after --", context)

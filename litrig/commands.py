@@ -5,9 +5,10 @@ import os
 import select
 import signal
 import sys
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
 
 import click
 
@@ -16,12 +17,17 @@ from firmware_sim.cli import sim
 from firmware_sim.errors import SimError
 from litrig.base.errors import LitrigError
 from litrig.base.version import litrig_version
-from litrig.simulated import CHANNEL_VARIABLE, announce
 from processing.amc.cli import amc
 from processing.ptm.cli import ptm
 from rig.cli import rig
 from viewer.cli import render, view
 
+if TYPE_CHECKING:
+    from acquisition.plans import Step
+    from litrig.base.progress import Report
+
+CHANNEL_VARIABLE = "LITRIG_SIM_CHANNEL"
+"""Set by `litrig sim run` for the programs that it starts."""
 INTERRUPTED_STATUS = 130
 OUTPUT_IS_LOST = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EPIPE})
 
@@ -37,7 +43,13 @@ def cli(context: click.Context) -> None:
     (litrig sim).
     """
     if channel := os.environ.get(CHANNEL_VARIABLE):
-        context.obj = Foresight(lambda steps, report: announce(Path(channel), steps, report))
+        context.obj = Foresight(lambda steps, report: _announce(Path(channel), steps, report))
+
+
+def _announce(channel: Path, steps: "Iterable[Step]", report: "Report") -> None:
+    from litrig.simulated import announce  # takes long to import, and few commands have a simulator behind them
+
+    announce(channel, steps, report)
 
 
 @cli.command(epilog="Example: litrig demo --out demo-out")

@@ -2,21 +2,15 @@
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from acquisition.plans import Step
 from firmware_sim.launch import RunningSim
 from firmware_sim.scene.pose import PlannedPose
 from firmware_sim.side_channel import SideChannel
 from litrig.base.progress import Progress, Report
 
-if TYPE_CHECKING:  # every command imports this module, and plans take long
-    from acquisition.plans import Step
 
-CHANNEL_VARIABLE = "LITRIG_SIM_CHANNEL"
-"""Set by `litrig sim run` for the programs that it starts."""
-
-
-def planned_poses(steps: "Iterable[Step]") -> Iterator[PlannedPose]:
+def planned_poses(steps: Iterable[Step]) -> Iterator[PlannedPose]:
     """Go through the poses of steps, as its devices will be commanded."""
     for step in steps:
         if step.aim is None:
@@ -25,7 +19,7 @@ def planned_poses(steps: "Iterable[Step]") -> Iterator[PlannedPose]:
             yield PlannedPose(step.angle_deg, step.aim.azimuth_deg, step.aim.elevation_deg)
 
 
-def render_ahead(sim: RunningSim, steps: "Iterable[Step]", report: Report, job: str = "frames") -> None:
+def render_ahead(sim: RunningSim, steps: Iterable[Step], report: Report, job: str = "frames") -> None:
     """Have the frames of steps rendered, and wait for them; nothing to wait for where formulas make the light."""
     note = sim.render_progress().note
 
@@ -36,7 +30,7 @@ def render_ahead(sim: RunningSim, steps: "Iterable[Step]", report: Report, job: 
     sim.render_ahead(planned_poses(steps), tell)
 
 
-def announce(channel: Path, steps: "Iterable[Step]", report: Report) -> None:
+def announce(channel: Path, steps: Iterable[Step], report: Report) -> None:
     """Do so for a simulator that somebody else started."""
     with SideChannel(channel) as open_channel:
         render_ahead(RunningSim(Path(), {}, open_channel), steps, report)
