@@ -194,7 +194,6 @@ def _go_on(
         wanted, entries = read_steps(folder), read_journal(folder / layout.JOURNAL)
         frozen = segment_settings(folder, entries)
         used = config or frozen.config
-        changes = check_configuration(folder, frozen.config, used, accept=new_segment)
         harmed = harmed_files(folder, entries)
         missing = missing_steps(wanted, entries, harmed)
         todo = in_order_of_least_motion(missing, used) if again is None else _named(folder, wanted, again)
@@ -205,6 +204,7 @@ def _go_on(
                     _call_back(writer, entries, harmed)
                     _close(writer, frozen.about)
             return True
+        changes = check_configuration(folder, frozen.config, used, accept=new_segment)
         rig = held.enter_context(open_rig(used, use=_needed(todo, used), environment=environment))
         check_plan(todo, rig)
         writer = held.enter_context(CaptureFolderWriter.reopen(folder, lock))
