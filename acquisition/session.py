@@ -197,6 +197,7 @@ def _go_on(
         harmed = harmed_files(folder, entries)
         missing = missing_steps(wanted, entries, harmed)
         todo = in_order_of_least_motion(missing, used) if again is None else _named(folder, wanted, again)
+        changes = check_configuration(folder, frozen.config, used, accept=new_segment or not todo)
         operator.expect(Outlook(todo, len(wanted), orphans(folder, entries), harmed))
         if not todo:
             if harmed or not layout.is_closed(folder):
@@ -204,7 +205,6 @@ def _go_on(
                     _call_back(writer, entries, harmed)
                     _close(writer, frozen.about)
             return True
-        changes = check_configuration(folder, frozen.config, used, accept=new_segment)
         rig = held.enter_context(open_rig(used, use=_needed(todo, used), environment=environment))
         check_plan(todo, rig)
         writer = held.enter_context(CaptureFolderWriter.reopen(folder, lock))
