@@ -10,7 +10,10 @@ Colour = tuple[float, float, float]
 
 _SIDE_PX = click.IntRange(1, 8192)
 _FOR_A_MESH = frozenset(
-    {"projection", "yaw_deg", "pitch_deg", "fov_deg", "zoom", "background", "supersample", "occlusion", "tangents"}
+    {
+        *("projection", "yaw_deg", "pitch_deg", "fov_deg", "zoom", "background", "supersample", "occlusion"),
+        *("tangents", "specular", "repeat"),
+    }
 )
 
 
@@ -40,6 +43,20 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
     type=(float, float),
     help="Where a PTM's light comes from, seen from the camera: right and up, U² + V² ≤ 1; -0.4 0.4 if left out. "
     "An AMC has its light in it.",
+)
+@click.option(
+    "--specular",
+    metavar="KS EXPONENT",
+    type=(click.FloatRange(0, 100), click.FloatRange(0, 10_000, min_open=True)),
+    help="Add a highlight of strength KS to a PTM on a mesh, by the normals that its light tells of; the larger the "
+    "exponent (10 to 200), the smaller it is.",
+)
+@click.option(
+    "--repeat",
+    metavar="N",
+    type=click.IntRange(1, 1000),
+    default=1,
+    help="Lay a PTM on the mesh N times each way; one that ptm synth --tileable made shows no seam.",
 )
 @click.option(
     "--directions",
@@ -135,6 +152,8 @@ def render(
     output: Path,
     mesh: str | None,
     light: tuple[float, float] | None,
+    specular: tuple[float, float] | None,
+    repeat: int,
     directions: Path | None,
     turn_deg: float,
     unlit: Path | None,
@@ -161,13 +180,14 @@ def render(
     """
     from viewer.materials.amc import Coordinates
     from viewer.render_file import render_file
-    from viewer.staging import AmcStaging, Staging
+    from viewer.staging import AmcStaging, PtmStaging, Staging
     from viewer.view import Projection, View
 
     view = View(Projection(projection), yaw_deg, pitch_deg, fov_deg, zoom)
     amc = AmcStaging(directions, turn_deg, Coordinates(coordinates), unlit, key, add)
     staging = Staging(
         *(mesh, light, size_px, view, background, supersample, amc, occlusion, tangents, beside),
+        ptm=PtmStaging(specular, repeat),
         mesh_options=_given_mesh_options(),
     )
     width, height = render_file(file, output, staging)

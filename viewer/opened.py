@@ -18,6 +18,7 @@ from processing.ptm.basis import PTM
 from processing.ptm.files.either import ENDINGS as PTM_ENDINGS
 from processing.ptm.files.either import holds_material, read_any
 from processing.ptm.model import Ptm
+from processing.ptm.relighting.normals import normals_of
 from viewer.geometry import Geometry
 from viewer.key_shadow import KeyShadow
 from viewer.look import Look
@@ -26,7 +27,7 @@ from viewer.materials.low_rank import LowRankMaterial
 from viewer.materials.matcap import MatcapMaterial
 from viewer.materials.ptm import PtmMaterial
 from viewer.renderer import Renderer
-from viewer.staging import DEFAULT_LIGHT, AmcStaging, Staging
+from viewer.staging import DEFAULT_LIGHT, AmcStaging, PtmStaging, Staging
 
 Opener = Callable[[Renderer, Path, Staging, Geometry], AbstractContextManager[Look]]
 
@@ -80,10 +81,19 @@ def refuse_amc_staging(file: Path, staging: Staging, kind: str) -> None:
         )
 
 
+def refuse_ptm_staging(file: Path, staging: Staging, kind: str) -> None:
+    """Refuse what is said of PTMs for another kind of material."""
+    if staging.ptm != PtmStaging():
+        raise InputError(
+            f"{file}: {kind} takes no --specular and no --repeat, which are for a PTM; leave them out, or give a PTM"
+        )
+
+
 @contextmanager
 def _amc_look(renderer: Renderer, file: Path, staging: Staging, geometry: Geometry) -> Iterator[Look]:
     if staging.light is not None:
         raise InputError(f"{file}: an AMC was lit when it was captured; leave out the light, turn the object instead")
+    refuse_ptm_staging(file, staging, "an AMC")
     amc = staging.amc
     _check_tables(file, amc)
     with ExitStack() as held:
@@ -136,8 +146,11 @@ def _read_amc(file: Path) -> tuple[Amc, list[MipLevel] | None]:
 @contextmanager
 def _ptm_look(renderer: Renderer, file: Path, staging: Staging, _geometry: Geometry) -> Iterator[Look]:
     refuse_amc_staging(file, staging, "a PTM")
-    with renderer.upload(PtmMaterial, read_ptm_to_draw(file), smooth=True) as material:
-        yield material.mesh_look(staging.light or DEFAULT_LIGHT, occluded=staging.occluded)
+    ptm, staged = read_ptm_to_draw(file), staging.ptm
+    normals = None if staged.highlight is None else normals_of(ptm)
+    with renderer.upload(PtmMaterial, ptm, smooth=True, normals=normals, repeat=staged.repeat) as material:
+        light = staging.light or DEFAULT_LIGHT
+        yield material.mesh_look(light, occluded=staging.occluded, highlight=staged.highlight)
 
 
 @contextmanager
@@ -145,6 +158,7 @@ def _matcap_look(renderer: Renderer, file: Path, staging: Staging, _geometry: Ge
     if staging.light is not None:
         raise InputError(f"{file}: a MatCap has its light in it; leave out the light, turn the object instead")
     refuse_amc_staging(file, staging, "a MatCap")
+    refuse_ptm_staging(file, staging, "a MatCap")
     disc = read_linear(file)
     if disc.shape[0] != disc.shape[1]:
         raise InputError(

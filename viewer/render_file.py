@@ -19,7 +19,7 @@ from viewer.materials.ptm import ptm_picture
 from viewer.opened import is_amc, open_look, read_ptm_to_draw, refuse_amc_staging
 from viewer.renderer import Renderer
 from viewer.save import save_flat, save_rendered
-from viewer.staging import DEFAULT_LIGHT, DEFAULT_MESH, DEFAULT_SIZE_PX, AmcStaging, Staging
+from viewer.staging import DEFAULT_LIGHT, DEFAULT_MESH, DEFAULT_SIZE_PX, AmcStaging, PtmStaging, Staging
 from viewer.tangent_lines import lines_look, tangent_lines
 from viewer.targets import Target
 
@@ -66,7 +66,9 @@ def _staged_beside(staging: Staging) -> Staging:
     other = staging.beside
     is_table = other is not None and is_amc(other)
     amc = AmcStaging(coordinates=staging.amc.coordinates) if is_table else AmcStaging()
-    return dataclasses.replace(staging, amc=amc, light=staging.light if other and holds_material(other) else None)
+    is_ptm = other is not None and holds_material(other)
+    ptm = staging.ptm if is_ptm else PtmStaging()
+    return dataclasses.replace(staging, amc=amc, ptm=ptm, light=staging.light if is_ptm else None)
 
 
 def _staged_mesh(staging: Staging) -> Mesh:

@@ -35,6 +35,20 @@ class AmcStaging:
 
 
 @dataclass(frozen=True)
+class PtmStaging:
+    """What is said of a PTM on a mesh alone.
+
+    Attributes
+    ----------
+    highlight : strength, where 1 is white, and exponent of a highlight that is added; None adds none
+    repeat : how often the picture repeats across the mesh's texture coordinates, each way
+    """
+
+    highlight: tuple[float, float] | None = None
+    repeat: int = 1
+
+
+@dataclass(frozen=True)
 class Staging:
     """How a material is shown.
 
@@ -49,6 +63,7 @@ class Staging:
     occluded : darken by the mesh's ambient occlusion
     tangents : draw the mesh's tangents over it
     beside : another material file, drawn to the right on the same mesh in the same view
+    ptm : what is said of a PTM alone
     mesh_options : what was asked for, by its option's name, that means something on a mesh only
     """
 
@@ -62,4 +77,5 @@ class Staging:
     occluded: bool = False
     tangents: bool = False
     beside: Path | None = None
+    ptm: PtmStaging = field(default_factory=PtmStaging)
     mesh_options: tuple[str, ...] = ()

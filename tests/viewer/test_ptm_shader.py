@@ -8,6 +8,8 @@ from litrig.base.errors import InputError
 from litrig.base.radiometry import decode_srgb, to_u8
 from processing.mesh.model import Mesh
 from processing.ptm.model import Ptm, Space
+from processing.ptm.relighting.highlight import Highlight, shade
+from processing.ptm.relighting.normals import normals_of
 from processing.ptm.relighting.relight import relight
 from viewer.materials.ptm import ptm_mesh_picture, ptm_picture
 from viewer.renderer import Renderer
@@ -112,6 +114,28 @@ def test_the_light_turns_against_the_surface(
     view = View(Projection.ORTHOGRAPHIC, yaw_deg, pitch_deg)
     middle = ptm_mesh_picture(renderer, ptm, square(), view, light, size=(33, 33))[16, 16]
     np.testing.assert_allclose(middle, [0.5 + 0.4 * in_surface[0], 0.5 + 0.4 * in_surface[1], 0.5, 1], atol=1e-4)
+
+
+@pytest.mark.parametrize("light", [(0.0, 0.0), (0.5, -0.3), (-0.2, 0.7)], ids=str)
+def test_a_highlight_on_a_square_is_that_of_the_flat_picture(renderer: Renderer, light: tuple[float, float]) -> None:
+    height = np.sin(np.arange(32) / 3)[:, None] * np.cos(np.arange(32) / 4)
+    slope_y, slope_x = np.gradient(height)
+    coefficients = np.zeros((6, 32, 32, 1), np.float32)
+    coefficients[3, ..., 0], coefficients[4, ..., 0], coefficients[5] = -0.4 * slope_x, 0.4 * slope_y, 0.4
+    ptm = Ptm(coefficients, np.full((32, 32, 3), [0.9, 0.7, 0.5], np.float32), "linear")
+    view = View(Projection.ORTHOGRAPHIC)
+    drawn = ptm_mesh_picture(renderer, ptm, square(), view, light, size=(32, 32), highlight=(0.5, 20.0))
+    direction = np.array([*light, np.sqrt(1 - np.sum(np.square(light)))])
+    truth = shade(ptm, direction, Highlight(normals_of(ptm), 0.5, 20.0))
+    assert np.abs(truth - relight(ptm, direction)).max() > 0.1
+    np.testing.assert_allclose(drawn[..., :3], np.maximum(truth, 0), atol=5e-4)
+
+
+def test_a_repeated_picture_begins_anew(renderer: Renderer) -> None:
+    ptm, view = some_ptm("LRGB", 16, 16, "linear"), View(Projection.ORTHOGRAPHIC)
+    drawn = ptm_mesh_picture(renderer, ptm, square(), view, (0.5, -0.4), size=(32, 32), repeat=2)
+    flat = np.maximum(relight(ptm, np.array([0.5, -0.4])), 0)
+    np.testing.assert_allclose(drawn[..., :3], np.tile(flat, (2, 2, 1)), atol=2e-4)
 
 
 def test_what_faces_away_from_the_light_is_dark(renderer: Renderer) -> None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from litrig.base.errors import InputError
 from processing.mesh.model import Mesh
 from processing.ptm.model import Ptm
+from processing.ptm.relighting.normals import normals_of
 from viewer.geometry import mesh_geometry, whole_picture
 from viewer.gl_context import GlContext
 from viewer.look import Look, Texture, UniformValue
@@ -24,12 +25,16 @@ BAND_TEXELS = 4 << 20
 class PtmMaterial:
     """Six layers of coefficients, and the colour of the luminance, float32 as in the model; row 0 first."""
 
-    def __init__(self, gl: GlContext, ptm: Ptm, *, smooth: bool = False) -> None:
+    def __init__(
+        self, gl: GlContext, ptm: Ptm, *, smooth: bool = False, normals: F32 | None = None, repeat: int = 1
+    ) -> None:
         """Upload.
 
         Parameters
         ----------
         smooth : interpolate, and make smaller copies, for a surface that is seen at any size; coefficients are linear
+        normals : (H, W, 3) unit, in the picture's frame, for a highlight
+        repeat : how often a surface shows it across its texture coordinates, each way
 
         Raises
         ------
@@ -50,8 +55,13 @@ class PtmMaterial:
         self._factor = gl.moderngl.texture(
             (colour.shape[1], colour.shape[0]), 3, _bytes(colour), alignment=1, dtype="f4"
         )
-        for texture in (self._layers, self._factor):
-            texture.repeat_x = texture.repeat_y = False
+        self._repeat = repeat
+        self._normals = None
+        if normals is not None:
+            self._normals = gl.moderngl.texture((width, height), 3, _bytes(normals), alignment=1, dtype="f4")
+        self._all = [texture for texture in (self._layers, self._factor, self._normals) if texture is not None]
+        for texture in self._all:
+            texture.repeat_x = texture.repeat_y = repeat > 1
             if smooth:
                 texture.build_mipmaps()
                 texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
@@ -74,12 +84,21 @@ class PtmMaterial:
         uniforms: dict[str, UniformValue] = {"is_luminance": self._is_luminance, "light": light}
         return Look("ptm_flat.frag", uniforms, self._textures(), vertex="flat.vert")
 
-    def mesh_look(self, light: Light, *, occluded: bool = False) -> Look:
+    def mesh_look(
+        self,
+        light: Light,
+        *,
+        occluded: bool = False,
+        highlight: tuple[float, float] | None = None,
+    ) -> Look:
         """Lay it on a mesh and light it from one direction of the view frame; no shadows are cast.
 
         Parameters
         ----------
         occluded : darken by the mesh's ambient occlusion
+        highlight : ks, where 1 is white, and exponent of ks·(m·h)^exponent, which is added to the stored values
+            (Synthesis and Rendering of 3D Textures, section II); m is the normal of the texel, h half-way between light
+            and eye. The material must have been given normals
 
         Raises
         ------
@@ -91,12 +110,19 @@ class PtmMaterial:
             "light_direction": (*light, _light_z(light)),
             "is_display": self._is_display,
             "occluded": occluded,
+            "repeat": float(self._repeat),
         }
-        return Look("ptm_mesh.frag", uniforms, self._textures())
+        if highlight is None:
+            return Look("ptm_mesh.frag", uniforms, self._textures())
+        if self._normals is None:
+            raise ValueError("a highlight needs the normals that the material was uploaded without")
+        uniforms["highlight"] = highlight
+        textures = {**self._textures(), "texel_normals": self._normals}
+        return Look("ptm_mesh.frag", uniforms, textures, switches=frozenset({"HIGHLIGHT"}))
 
     def release(self) -> None:
-        self._layers.release()
-        self._factor.release()
+        for texture in self._all:
+            texture.release()
 
     def _textures(self) -> dict[str, Texture]:
         return {"coefficients": self._layers, "luminance_colour": self._factor}
@@ -123,19 +149,30 @@ def ptm_picture(renderer: Renderer, ptm: Ptm, light: Light) -> F32:
 
 
 def ptm_mesh_picture(
-    renderer: Renderer, ptm: Ptm, mesh: Mesh, view: View, light: Light, *, size: Size, supersample: int = 1
+    renderer: Renderer,
+    ptm: Ptm,
+    mesh: Mesh,
+    view: View,
+    light: Light,
+    *,
+    size: Size,
+    supersample: int = 1,
+    highlight: tuple[float, float] | None = None,
+    repeat: int = 1,
 ) -> F32:
-    """Draw a PTM on a mesh once: `PtmMaterial` and `PtmMaterial.mesh_look` in one.
+    """Draw a PTM on a mesh once: `PtmMaterial` and `PtmMaterial.mesh_look` in one, normals of the PTM's own.
 
     Returns
     -------
     picture : (H, W, 4) float32, linear light and straight coverage, row 0 on top
     """
+    normals = None if highlight is None else normals_of(ptm)
     with (
-        renderer.upload(PtmMaterial, ptm, smooth=True) as material,
+        renderer.upload(PtmMaterial, ptm, smooth=True, normals=normals, repeat=repeat) as material,
         renderer.upload(mesh_geometry, mesh) as geometry,
     ):
-        return renderer.picture(material.mesh_look(light), geometry, view, size=size, supersample=supersample)
+        look = material.mesh_look(light, highlight=highlight)
+        return renderer.picture(look, geometry, view, size=size, supersample=supersample)
 
 
 def _band_picture(renderer: Renderer, band: Ptm, light: Light) -> F32:
