@@ -5,7 +5,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from benchmarks import oracle_tables
+from benchmarks import oracle_synthesis, oracle_tables
 from firmware_sim.mitsuba.variants import FAST, best_variant
 from tests.oracle.shoot import LAMP_SHARE, LIGHTS, SLICES, TRUTH_FACTOR, Studio
 
@@ -78,6 +78,13 @@ itself, and the list is compared with where the lamps stood. Goal: less than .5Â
 camera's distance known.
 
 {mirror_balls}
+
+## Synthesis: the blocks that are chosen
+
+Whole syntheses over {seeds} seeds, a search against brute force: how many blocks differ. Goal: none. Kernels other than
+SVD are asked for the first seeds.
+
+{picks}
 """
 SLOW = " This variant is slow, so pixels and samples are fewer than with LLVM."
 
@@ -101,6 +108,8 @@ def page(studio: Studio) -> str:
         fabrics=oracle_tables.fabrics(studio),
         relighting=oracle_tables.relighting(studio),
         mirror_balls=oracle_tables.mirror_balls(studio),
+        seeds=oracle_synthesis.SEEDS,
+        picks=oracle_synthesis.picks(),
     )
 
 

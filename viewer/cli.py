@@ -11,6 +11,7 @@ Colour = tuple[float, float, float]
 _SIDE_PX = click.IntRange(1, 8192)
 _FOR_A_MESH = frozenset(
     {"projection", "yaw_deg", "pitch_deg", "roll_deg", "fov_deg", "background", "supersample", "occlusion", "tangents"}
+    | {"repeat"}
 )
 
 
@@ -73,6 +74,13 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
     type=float,
     default=1.0,
     help="Scale how a PTM's shading changes with the light; 1.5 to 4 bring out relief. Of 6 terms only.",
+)
+@click.option(
+    "--repeat",
+    metavar="N",
+    type=click.IntRange(1, 1000),
+    default=1,
+    help="Lay a PTM on the mesh N times each way; one that ptm synth --tileable made shows no seam.",
 )
 @click.option(
     "--specular",
@@ -242,6 +250,7 @@ def render(
     softness_deg: float,
     diffuse_gain: float,
     specular: tuple[float, float] | None,
+    repeat: int,
     normals: bool,
     window: tuple[int, int, int, int] | None,
     directions: Path | None,
@@ -300,7 +309,7 @@ def render(
     staging = Staging(
         *(mesh, size_px, view, background, supersample),
         amc=AmcStaging(directions, turn_deg, Coordinates(coordinates), unlit, key, add),
-        ptm=PtmStaging(lights, colours, softness_deg, diffuse_gain, specular, normals, window),
+        ptm=PtmStaging(lights, colours, softness_deg, diffuse_gain, specular, normals, window, repeat),
         buffers=BuffersStaging(environment, normal_map, diffuse_factor, reflection_factor),
         occluded=occlusion,
         tangents=tangents,

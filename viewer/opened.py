@@ -99,7 +99,7 @@ def refuse_ptm_staging(file: Path, staging: Staging, kind: str, instead: str) ->
     if ptm != PtmStaging():
         raise InputError(
             f"{file}: {kind}; leave out what is for PTMs: --light-colour, --softness, --diffuse-gain, --specular, "
-            "--normals and --window"
+            "--normals, --window and --repeat"
         )
 
 
@@ -178,8 +178,9 @@ def _ptm_looks(renderer: Renderer, file: Path, staging: Staging, _geometry: Geom
     ptm = read_any(file)
     check_shading(file, ptm, shading)
     wanted = {"normals": shading.needs_normals, "brightest": shading.needs_brightest}
-    with renderer.upload(PtmMaterial, ptm, smooth=True, **wanted) as material:
-        yield lambda moment: material.mesh_look(shading_at(shading, moment), occluded=staging.occluded)
+    repeat = staging.ptm.repeat
+    with renderer.upload(PtmMaterial, ptm, smooth=True, repeats=repeat > 1, **wanted) as material:
+        yield lambda moment: material.mesh_look(shading_at(shading, moment), occluded=staging.occluded, repeat=repeat)
 
 
 def shading_at(shading: PtmShading, moment: Moment) -> PtmShading:

@@ -50,6 +50,7 @@ class PtmStaging:
     gloss : strength and exponent of a highlight that is added
     normals : show these instead
     window : left, top, width and height of the texels that a flat picture shows; None is all
+    repeat : how often it is laid across a mesh's texture coordinates, each way
     """
 
     lights: tuple[tuple[float, float], ...] = ()
@@ -59,6 +60,7 @@ class PtmStaging:
     gloss: tuple[float, float] | None = None
     normals: bool = False
     window: tuple[int, int, int, int] | None = None
+    repeat: int = 1
 
     def shading(self) -> PtmShading:
         """Return what the material is told.
@@ -68,7 +70,7 @@ class PtmStaging:
         InputError
             Lights, colours, gain or highlight are none, or would change nothing.
         """
-        if self.normals and self != PtmStaging(normals=True, window=self.window):
+        if self.normals and self != PtmStaging(normals=True, window=self.window, repeat=self.repeat):
             raise InputError(
                 "normals: are the same under every light; leave out the lights, --diffuse-gain and --specular, or "
                 "--normals"

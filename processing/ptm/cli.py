@@ -11,6 +11,7 @@ from processing.command_parts import FOLDER, JSON, PATH, references
 from processing.ptm.files.cli import convert, info
 from processing.ptm.lights.cli import lights
 from processing.ptm.relighting.cli import relight
+from processing.ptm.synthesis.cli import synth
 
 if TYPE_CHECKING:
     import numpy as np
@@ -33,6 +34,7 @@ ptm.add_command(info)
 ptm.add_command(convert)
 ptm.add_command(relight)
 ptm.add_command(lights)
+ptm.add_command(synth)
 
 
 @ptm.command(epilog="Example: litrig ptm fit coin-session -o coin.ptm")

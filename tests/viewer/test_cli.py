@@ -197,6 +197,13 @@ def test_a_ptm_can_be_laid_on_a_mesh(files: Path, tmp_path: Path) -> None:
     assert codes(tmp_path / "x.jpg").shape == (40, 60, 3)
 
 
+@pytest.mark.parametrize("options", [("--specular", "0.5", "20"), ("--repeat", "3")], ids=" ".join)
+def test_a_highlight_and_repeating_change_the_picture(files: Path, tmp_path: Path, options: tuple[str, ...]) -> None:
+    for name, more in (("plain", ()), ("other", options)):
+        run(files / "coin.ptm", "-o", tmp_path / f"{name}.png", "--mesh", "torus", *SMALL, *more)
+    assert np.mean(codes(tmp_path / "plain.png") != codes(tmp_path / "other.png")) > 0.05
+
+
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [
@@ -212,6 +219,10 @@ def test_a_ptm_can_be_laid_on_a_mesh(files: Path, tmp_path: Path) -> None:
         pytest.param(["coin.ptm", "-o", "x.png", "--size", "9", "9"], "has its own size", id="a size for a flat PTM"),
         pytest.param(
             ["coin.ptm", "-o", "x.png", "--yaw", "0"], "--yaw would not change a flat", id="a turn of a flat PTM"
+        ),
+        pytest.param(["coin.ptm", "-o", "x.png", "--repeat", "2"], "--repeat would not", id="a flat PTM repeated"),
+        pytest.param(
+            ["brushed.amc.ktx2", "-o", "x.png", "--specular", "1", "9"], "what is for PTMs", id="gloss for an AMC"
         ),
         pytest.param(["coin.ptm", "-o", "x.png", "--turn", "90"], "has no grain to turn", id="a turned flat PTM"),
         pytest.param(

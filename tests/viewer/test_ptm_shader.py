@@ -122,6 +122,13 @@ def test_the_light_turns_against_the_surface(
     np.testing.assert_allclose(middle, [0.5 + 0.4 * in_surface[0], 0.5 + 0.4 * in_surface[1], 0.5, 1], atol=1e-4)
 
 
+def test_a_repeated_picture_begins_anew(renderer: Renderer) -> None:
+    ptm, view = some_ptm("LRGB", 16, 16, "linear"), View(Projection.ORTHOGRAPHIC)
+    drawn = ptm_mesh_picture(renderer, ptm, square(), view, under((0.5, -0.4)), size=(32, 32), repeat=2)
+    flat = np.maximum(relight(ptm, np.array([0.5, -0.4])), 0)
+    np.testing.assert_allclose(drawn[..., :3], np.tile(flat, (2, 2, 1)), atol=2e-4)
+
+
 def test_what_faces_away_from_the_light_is_dark(renderer: Renderer) -> None:
     ptm = Ptm(np.ones((6, 4, 4, 3), np.float32), None, "linear")
     view = View(Projection.ORTHOGRAPHIC, yaw_deg=60)

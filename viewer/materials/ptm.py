@@ -37,6 +37,7 @@ class PtmMaterial:
         smooth: bool = False,
         normals: bool = False,
         brightest: bool = False,
+        repeats: bool = False,
     ) -> None:
         """Upload.
 
@@ -45,6 +46,7 @@ class PtmMaterial:
         smooth : interpolate, and make smaller copies, for a surface that is seen at any size; coefficients are linear
         normals : find the normals, which highlights and the view of normals want
         brightest : find the brightest lights, which diffuse gain wants; of a polynomial of six terms
+        repeats : it begins anew where it ends, as `mesh_look` may want
 
         Raises
         ------
@@ -76,7 +78,7 @@ class PtmMaterial:
                 (width, height), plane.shape[2], _bytes(plane), alignment=1, dtype="f4"
             )
         for texture in self._textures.values():
-            texture.repeat_x = texture.repeat_y = False
+            texture.repeat_x = texture.repeat_y = repeats
             texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
             if smooth:
                 texture.build_mipmaps()
@@ -125,13 +127,16 @@ class PtmMaterial:
                 uniforms["is_display"] = self.ptm.space == "srgb"
         return Look("ptm_flat.frag", uniforms, self._wanted(shading), "flat.vert", frozenset(switches))
 
-    def mesh_look(self, shading: PtmShading, *, level: int | None = None, occluded: bool = False) -> Look:
+    def mesh_look(
+        self, shading: PtmShading, *, level: int | None = None, occluded: bool = False, repeat: int = 1
+    ) -> Look:
         """Lay it on a mesh; its lights are of the view frame, and cast no shadows.
 
         Parameters
         ----------
         level : read this mip level everywhere; None reads the one that fits the surface's size on screen
         occluded : darken by the mesh's ambient occlusion
+        repeat : how often it is laid across the mesh's texture coordinates, each way
 
         Raises
         ------
@@ -143,6 +148,7 @@ class PtmMaterial:
         uniforms: dict[str, UniformValue] = {
             "level": -1.0 if level is None else float(level),
             "occluded": occluded and shading.view == "lit",
+            "repeat": float(repeat),
             **shading.controls(),
         }
         if shading.view == "lit":
@@ -186,6 +192,7 @@ def ptm_mesh_picture(
     supersample: int = 1,
     level: int | None = None,
     occluded: bool = False,
+    repeat: int = 1,
 ) -> F32:
     """Draw a PTM on a mesh once: `PtmMaterial` and `PtmMaterial.mesh_look` in one.
 
@@ -196,10 +203,10 @@ def ptm_mesh_picture(
     shading.check(ptm.basis)
     wanted = {"normals": shading.needs_normals, "brightest": shading.needs_brightest}
     with (
-        renderer.upload(PtmMaterial, ptm, smooth=True, **wanted) as material,
+        renderer.upload(PtmMaterial, ptm, smooth=True, repeats=repeat > 1, **wanted) as material,
         renderer.upload(mesh_geometry, mesh) as geometry,
     ):
-        look = material.mesh_look(shading, level=level, occluded=occluded)
+        look = material.mesh_look(shading, level=level, occluded=occluded, repeat=repeat)
         return renderer.picture(look, geometry, view, size=size, supersample=supersample)
 
 

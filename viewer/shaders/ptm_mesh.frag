@@ -5,7 +5,8 @@
 #include "common.glsl"
 #include "ptm.glsl"
 
-uniform float level; // mip level to read; below 0: the one that fits
+uniform float level;  // mip level to read; below 0: the one that fits
+uniform float repeat; // how often the picture is laid across the texture coordinates, each way
 
 in vec2 uv;
 
@@ -58,5 +59,5 @@ vec3 lit(mat3 frame, vec2 place, vec3 to_eye) {
 void main() {
     vec3 to_eye = direction_to_eye();
     vec3 n = visible_normal(to_eye);
-    colour = vec4(darkened(lit(picture_frame(n), vec2(uv.x, 1.0 - uv.y), to_eye)), 1.0);
+    colour = vec4(darkened(lit(picture_frame(n), repeat * vec2(uv.x, 1.0 - uv.y), to_eye)), 1.0);
 }
