@@ -55,11 +55,13 @@ class SoFar:
     settings : what the camera was set to, by the exposure's stops; the frames to come must agree
     since_revisit : the steps of the good frames since the last closure frame that was as it should be
     revisits : what knows the first frames
+    confirmed : steps for which a person has done by now what they ask for
     """
 
     settings: dict[float, Settings] = field(default_factory=dict)
     since_revisit: list[int] = field(default_factory=list)
     revisits: Revisits | None = None
+    confirmed: frozenset[int] = frozenset()
 
 
 def check_plan(steps: Iterable[Step], rig: Rig) -> None:
@@ -114,12 +116,21 @@ def run(
         reason = str(error)
         if isinstance(error, OSError):  # the disk went away between two writes
             reason = f"{error.filename or writer.folder}: {error.strerror}; check the disk, and that it is there"
+        asks = {"asks": error.step} if isinstance(error, _PersonNeededError) else {}
         with suppress(InputError):  # a full disk may be why
-            writer.record("hold", reason=reason)
+            writer.record("hold", reason=reason, **asks)
         raise HoldError(
             f"{reason}. The rig is on hold; the frames so far are safe, and litrig capture resume {writer.folder} "
             "shoots the others"
         ) from error
+
+
+class _PersonNeededError(RigError):
+    """A step asks for something that nobody is there to do."""
+
+    def __init__(self, step: Step) -> None:
+        super().__init__(f"step {step.step} needs a person: {step.ask}")
+        self.step = step.step
 
 
 class _Run:
@@ -132,7 +143,7 @@ class _Run:
         self._keeper = Keeper(writer, self._inspector, so_far.revisits or Revisits(tolerance_deg))
         self._room = Room(writer.folder)
         self._attempts: dict[int, int] = {}
-        self._confirmed: set[int] = set()
+        self._confirmed = set(so_far.confirmed)
         self._last: Step | None = None
         self._taken = 0
 
@@ -289,7 +300,7 @@ class _Run:
     def _ask(self, step: Step, ask: Callable[[str], bool]) -> None:
         self._rig.darken()
         if not ask(step.ask):
-            raise RigError(f"step {step.step} needs a person: {step.ask}")
+            raise _PersonNeededError(step)
         self._confirmed.add(step.step)
         self._writer.record("confirmed", step=step.step, what=step.ask)
 

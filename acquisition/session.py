@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from acquisition.arrangement import arranged, done_by_now
 from acquisition.earlier import so_far
 from acquisition.events import Paused, RunEvent
 from acquisition.instruments import instruments
@@ -197,6 +198,7 @@ def _go_on(
         harmed = harmed_files(folder, entries)
         missing = missing_steps(wanted, entries, harmed)
         todo = in_order_of_least_motion(missing, used) if again is None else _named(folder, wanted, again)
+        todo = arranged(wanted, todo, entries)
         changes = check_configuration(folder, frozen.config, used, accept=new_segment or not todo)
         operator.expect(Outlook(todo, len(wanted), orphans(folder, entries), harmed))
         if not todo:
@@ -211,6 +213,7 @@ def _go_on(
         _begin_segment(writer, entries, used if changes else None, changes)
         _call_back(writer, entries, harmed)
         earlier = so_far(folder, wanted, entries, used, forget_settings=new_segment)
+        earlier.confirmed = done_by_now(entries, todo)
         gaps = {step.step for step in missing} - {step.step for step in todo}
         course = _Course(rig, writer, policy, operator, lambda: interrupts.pause_requested)
         return course.shoot(todo, earlier, frozen.about, close=not gaps)
