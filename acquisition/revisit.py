@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from acquisition.plans import Step
 from litrig.base.capture_folder.capture import Role
+from litrig.base.directions import turn_between_deg
 from litrig.base.radiometry import U8
 
 F32 = NDArray[np.float32]
@@ -84,7 +85,10 @@ class Revisits:
         first = self._first
         if step.role is not Role.CLOSURE or first is None or angle_deg is None or step.angle_deg is None:
             return ""
-        if not _alike(step, first.step) or abs(_turn(step.angle_deg - (first.step.angle_deg or 0.0))) > NEAR_DEG:
+        if (
+            not _alike(step, first.step)
+            or abs(turn_between_deg(step.angle_deg, first.step.angle_deg or 0.0)) > NEAR_DEG
+        ):
             return ""
         change = _grey(codes) - first.grey
         variance = _noise(change) ** 2
@@ -93,9 +97,9 @@ class Revisits:
         differs = f"differs from the first at its pose by {100 * share:.0f} %"
         if self._beside is None:
             return differs if size > variance and share > MOST_CHANGED else ""
-        return self._against_ruler(first, self._beside, change, variance, _turn(angle_deg - first.angle_deg)) or (
-            differs if size > variance and share > 1 else ""
-        )
+        return self._against_ruler(
+            first, self._beside, change, variance, turn_between_deg(angle_deg, first.angle_deg)
+        ) or (differs if size > variance and share > 1 else "")
 
     def _against_ruler(self, first: _Seen, beside: _Seen, change: F32, variance: float, turned_deg: float) -> str:
         """Lay a change along that from the first frame to the one beside it.
@@ -136,11 +140,6 @@ class Revisits:
 
 def _alike(step: Step, other: Step) -> bool:
     return (step.aim, step.exposure_ev, step.lit) == (other.aim, other.exposure_ev, other.lit)
-
-
-def _turn(angle_deg: float) -> float:
-    """Bring an angle to −180..180."""
-    return (angle_deg + 180) % 360 - 180
 
 
 def _grey(codes: U8) -> F32:

@@ -18,13 +18,14 @@ from acquisition.plans import Step
 from acquisition.runner import USUAL, Policy, SoFar, check_plan, run
 from acquisition.segments import check_configuration, segment_settings
 from acquisition.session_info import SessionInfo
-from acquisition.wanted import harmed_files, missing_steps, orphans, read_steps
+from acquisition.wanted import harmed_files, missing_steps, read_steps
 from litrig.base.capture_folder import layout
 from litrig.base.capture_folder.capture import Role
 from litrig.base.capture_folder.crate import Description
 from litrig.base.capture_folder.journal import Entry, read_journal
 from litrig.base.capture_folder.lock import FolderLock
 from litrig.base.capture_folder.reader import good_frames
+from litrig.base.capture_folder.verify import orphans_of
 from litrig.base.capture_folder.writer import CaptureFolderWriter, check_free, check_object_id
 from litrig.base.errors import InputError
 from litrig.base.lights import Lights
@@ -200,7 +201,7 @@ def _go_on(
         todo = in_order_of_least_motion(missing, used) if again is None else _named(folder, wanted, again)
         todo = arranged(wanted, todo, entries)
         changes = check_configuration(folder, frozen.config, used, accept=new_segment or not todo)
-        operator.expect(Outlook(todo, len(wanted), orphans(folder, entries), harmed))
+        operator.expect(Outlook(todo, len(wanted), orphans_of(folder, entries), harmed))
         if not todo:
             if harmed or not layout.is_closed(folder):
                 with CaptureFolderWriter.reopen(folder, lock) as writer:

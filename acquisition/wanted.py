@@ -1,7 +1,7 @@
 """What a session wants, and what of it is missing."""
 
 import json
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Container, Iterable
 from pathlib import Path
 
 from pydantic import TypeAdapter, ValidationError
@@ -55,13 +55,6 @@ def harmed_files(folder: Path, entries: Iterable[Entry]) -> list[str]:
     frames = [entry for entry in entries if entry["ev"] == "frame"]
     known = known_harm(entries)
     return [entry["file"] for entry in frames if entry["file"] not in known and not _is_whole(folder, entry)]
-
-
-def orphans(folder: Path, entries: Sequence[Entry]) -> list[str]:
-    """Name the frame files that no line of the journal speaks of: shot, but never acknowledged."""
-    named = {entry["file"] for entry in entries if entry["ev"] == "frame"}
-    there = {path.relative_to(folder).as_posix() for path in (folder / layout.FRAMES).glob("*")}
-    return sorted(there - named)
 
 
 def _is_whole(folder: Path, entry: Entry) -> bool:

@@ -25,6 +25,11 @@ def angles_from_direction(direction: NDArray[np.floating]) -> tuple[float, float
     return (0.0 if azimuth_deg == 360 else azimuth_deg), math.degrees(math.asin(max(-1.0, min(1.0, z / length))))
 
 
+def turn_between_deg(a_deg: float, b_deg: float) -> float:
+    """Return by how much less than half a turn, either way, an angle a differs from b: −180 up to 180."""
+    return (a_deg - b_deg + 180) % 360 - 180
+
+
 def angle_between_deg(a: NDArray[np.floating], b: NDArray[np.floating]) -> float:
     """Return the angle between two vectors in degrees; exact also where the cosine is flat."""
     return math.degrees(math.atan2(float(np.linalg.norm(np.cross(a, b))), float(np.dot(a, b))))

@@ -23,6 +23,7 @@ from litrig.base.capture_folder.frame_line import check_frame_lines
 from litrig.base.capture_folder.journal import Entry, read_journal
 from litrig.base.capture_folder.pairing import find_pictures, in_order, listed
 from litrig.base.capture_folder.session_file import LARGEST_ANGLE_DEG, read_session_file
+from litrig.base.directions import turn_between_deg
 from litrig.base.errors import FormatError, InputError
 from litrig.base.files import decode_text, read_limited, resolve_inside
 from litrig.base.light_files import read_lights
@@ -212,7 +213,7 @@ def _checked(folder: Path, entry: Entry) -> Path:
 def _middle_deg(angles_deg: list[float]) -> float:
     """Return the mean of angles that lie close together, perhaps some turns apart; the turn is that of the first."""
     first = angles_deg[0]
-    return first + float(np.mean([(angle - first + 180) % 360 - 180 for angle in angles_deg]))
+    return first + float(np.mean([turn_between_deg(angle, first) for angle in angles_deg]))
 
 
 def _middle(lights: list[NDArray[np.float64]]) -> NDArray[np.float64]:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from litrig.base.capture_folder.capture import Capture, CapturedFrame, Role
 from litrig.base.capture_folder.pairing import listed
-from litrig.base.directions import F64, angle_between_deg, angles_from_direction
+from litrig.base.directions import F64, angle_between_deg, angles_from_direction, turn_between_deg
 from litrig.base.errors import InputError
 
 SAME_DEG = 1.0
@@ -32,7 +32,7 @@ def at_one_angle(capture: Capture, angle_deg: float | None) -> Capture:
         raise InputError(f"{capture.folder}: was shot at {len(angles)} angles, {shown}; name one with --angle")
     return _only(
         capture,
-        lambda frame: frame.angle_deg is not None and abs(_turn(frame.angle_deg - angle_deg)) < SAME_DEG,
+        lambda frame: frame.angle_deg is not None and abs(turn_between_deg(frame.angle_deg, angle_deg)) < SAME_DEG,
         f"at {_deg(angle_deg)}; its angles are {listed([_deg(a) for a in angles])}",
     )
 
@@ -79,13 +79,9 @@ def _only(capture: Capture, fits: Callable[[CapturedFrame], bool], which: str) -
 def _distinct(angles_deg: list[float]) -> list[float]:
     found: list[float] = []
     for angle in angles_deg:
-        if all(abs(_turn(angle - other)) > SAME_DEG for other in found):
+        if all(abs(turn_between_deg(angle, other)) > SAME_DEG for other in found):
             found.append(angle)
     return found
-
-
-def _turn(angle_deg: float) -> float:
-    return (angle_deg + 180) % 360 - 180
 
 
 def _deg(angle_deg: float) -> str:

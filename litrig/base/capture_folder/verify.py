@@ -1,5 +1,6 @@
 """Does a capture folder hold what its journal and its manifest say? All findings at once, nothing is touched."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -57,10 +58,15 @@ def verify_capture(folder: Path) -> Verification:
             wrong[file] = finding
     findings = [f"{file}: {finding}" for file, finding in wrong.items()]
     findings += _tag_findings(folder) or bag_findings(folder, wrong)
-    named = {entry["file"] for entry in entries}
-    found = {path.relative_to(folder).as_posix() for path in (folder / layout.FRAMES).glob("*")}
-    orphans, known = tuple(sorted(found - named)), tuple(sorted(harmed))
-    return Verification(len(entries), layout.is_closed(folder), tuple(findings), orphans, known)
+    orphans = tuple(orphans_of(folder, entries))
+    return Verification(len(entries), layout.is_closed(folder), tuple(findings), orphans, tuple(sorted(harmed)))
+
+
+def orphans_of(folder: Path, entries: Iterable[Entry]) -> list[str]:
+    """Name the frame files that no line of the journal speaks of: shot, but never acknowledged."""
+    named = {entry["file"] for entry in entries if entry["ev"] == "frame"}
+    there = {path.relative_to(folder).as_posix() for path in (folder / layout.FRAMES).glob("*")}
+    return sorted(there - named)
 
 
 def _frame_finding(folder: Path, entry: Entry) -> str:
