@@ -18,7 +18,9 @@ from firmware_sim.errors import SimError
 from litrig.base.errors import LitrigError
 from litrig.base.version import litrig_version
 from processing.amc.cli import amc
+from processing.matcap.cli import matcap
 from processing.ptm.cli import ptm
+from processing.shape.cli import shape
 from rig.cli import rig
 from viewer.cli import render, view
 
@@ -84,7 +86,7 @@ def demo(folder: Path, scene: str | None, small: bool) -> None:
     click.echo(f"The demo is complete: open {page}")
 
 
-for command in (sim, rig, capture, amc, ptm, render, view):
+for command in (sim, rig, capture, amc, ptm, matcap, shape, render, view):
     cli.add_command(command)
 
 

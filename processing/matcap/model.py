@@ -17,7 +17,7 @@ class Component:
 
     Attributes
     ----------
-    front, back : (S, S, 3) float32, linear light, white-balanced; a dual paraboloid map as `paraboloid` has it
+    front, back : (S, S, 3) float32, linear light, white-balanced; a dual paraboloid map as `paraboloid.maps` has it
     base_colour : α₀, the material's colour, linear
     slope : μ, 0 to 1. What is seen at an angle θ off the view axis lies at θ·(1 + μ) in the maps
     filter_size : ν, the variance of the material's filter in radians squared

@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from litrig.base.table_normals import TableNormal, table_normals
 from processing.matcap.model import Component, DecomposedMatcap
-from processing.matcap.paraboloid import places
 from processing.mesh.model import Mesh
+from processing.paraboloid.maps import places
 from processing.reference.camera import Camera
 from processing.reference.surface import unit, visible_surface
 from processing.reference.texels import bilinear

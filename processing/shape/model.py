@@ -49,7 +49,7 @@ class SurfaceEnvironment:
     Attributes
     ----------
     diffuse : (9, 3) float32, coefficients of `harmonics` for each channel; D(n)
-    front, back : (S, S, 3) float32, dual paraboloid map over the mirrored view direction, as `matcap.paraboloid`; R(r)
+    front, back : (S, S, 3) float32, dual paraboloid map over the mirrored view direction, as `paraboloid.maps`; R(r)
     """
 
     diffuse: F32

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from litrig.base.table_normals import TableNormal
 from processing.matcap.model import Component, DecomposedMatcap
-from processing.matcap.paraboloid import texel_directions
+from processing.paraboloid.maps import texel_directions
 
 F64 = NDArray[np.float64]
 

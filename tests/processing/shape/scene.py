@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from processing.matcap.paraboloid import texel_directions
+from processing.paraboloid.maps import texel_directions
 from processing.shape import harmonics
 from processing.shape.model import Environments, ShadingBuffers, SurfaceEnvironment
 from tests.processing.matcap.maps import sharp, soft

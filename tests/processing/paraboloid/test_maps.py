@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from processing.matcap.paraboloid import places, texel_directions
+from processing.paraboloid.maps import places, texel_directions
 
 SIZE = 16
 
