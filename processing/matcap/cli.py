@@ -2,7 +2,12 @@
 
 import click
 
+from processing.matcap.estimate_command import estimate
+
 
 @click.group()
 def matcap() -> None:
     """MatCaps: separate, estimate, decompose, and change light and material."""
+
+
+matcap.add_command(estimate)
