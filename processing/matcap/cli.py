@@ -2,6 +2,7 @@
 
 import click
 
+from processing.matcap.estimate_command import estimate
 from processing.matcap.split_command import split
 
 
@@ -10,4 +11,5 @@ def matcap() -> None:
     """MatCaps: separate, estimate, decompose, and change light and material."""
 
 
+matcap.add_command(estimate)
 matcap.add_command(split)
