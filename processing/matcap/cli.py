@@ -2,7 +2,14 @@
 
 import click
 
+from processing.matcap.edit_command import edit
+from processing.matcap.info_command import info
+
 
 @click.group()
 def matcap() -> None:
     """MatCaps: separate, estimate, decompose, and change light and material."""
+
+
+matcap.add_command(edit)
+matcap.add_command(info)
