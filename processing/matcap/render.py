@@ -58,13 +58,19 @@ def energy(component: Component, normals: F64) -> F64:
     return np.maximum(np.asarray(component.base_colour) + component.silhouette.added(theta)[:, None], 0)
 
 
-def seen(component: Component, normals: F64) -> F64:
-    """Return the directions of the maps, (N, 3), that unit normals (N, 3) show under the light as it is turned."""
-    omega = warped(turned(normals, component.normal_turn_deg, back=True), component.slope)
+def seen(component: Component, normals: F64, slopes: F64 | None = None) -> F64:
+    """Return the directions of the maps, (N, 3), that unit normals (N, 3) show under the light as it is turned.
+
+    Parameters
+    ----------
+    slopes : (N,) in place of the component's own
+    """
+    steep = component.slope if slopes is None else slopes
+    omega = warped(turned(normals, component.normal_turn_deg, back=True), steep)
     return turned(omega, component.light_turn_deg, back=True)
 
 
-def warped(normals: F64, slope: float) -> F64:
+def warped(normals: F64, slope: float | F64) -> F64:
     """Turn normals away from the view axis: ω = rot(u, μθ) n about u = e₂ × n/|e₂ × n|, so that θ becomes θ(1 + μ)."""
     across = np.hypot(normals[:, 0], normals[:, 1])
     angle = np.arctan2(across, normals[:, 2]) * (1 + slope)
