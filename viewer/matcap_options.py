@@ -40,8 +40,8 @@ _OPTIONS = (
         type=(click.FloatRange(0, 90), click.FloatRange(0, 90)),
         default=(0.0, 30.0),
         show_default=True,
-        help="Standard deviation of the two halves' filters in degrees where --roughness-texture is white; a half that is "
-        "rougher by itself stays.",
+        help="Standard deviation of the two halves' filters in degrees where --roughness-texture is white; a half "
+        "that is rougher by itself stays.",
     ),
     click.option(
         "--occlusion-map",

@@ -3,6 +3,7 @@
 import click
 
 from processing.matcap.edit_command import edit
+from processing.matcap.export_command import export
 from processing.matcap.info_command import info
 
 
@@ -12,4 +13,5 @@ def matcap() -> None:
 
 
 matcap.add_command(edit)
+matcap.add_command(export)
 matcap.add_command(info)

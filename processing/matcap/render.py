@@ -25,11 +25,18 @@ def disc_picture(matcap: DecomposedMatcap, size: int | None = None) -> F32:
     -------
     picture : (S, S, 3) float32, linear light, the disc inscribed; black outside
     """
+    low, high = half_pictures(matcap, size)
+    return low + high
+
+
+def half_pictures(matcap: DecomposedMatcap, size: int | None = None) -> tuple[F32, F32]:
+    """Draw the ball as `disc_picture` does, the low and the high frequencies each by themselves."""
     side = size or matcap.picture_size or DEFAULT_SIDE_PX
     normals, valid = disc_normals(side)
-    picture = np.zeros((side, side, 3), np.float32)
-    picture[valid] = shaded(matcap, normals[valid])
-    return picture
+    pictures = np.zeros((2, side, side, 3), np.float32)
+    for picture, component in zip(pictures, (matcap.low, matcap.high), strict=True):
+        picture[valid] = component_light(component, normals[valid])
+    return pictures[0], pictures[1]
 
 
 def disc_normals(size: int) -> tuple[F64, NDArray[np.bool_]]:
