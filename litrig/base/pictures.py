@@ -178,7 +178,7 @@ def write_codes(path: Path, codes: NDArray[np.integer]) -> None:
         temporary.write_bytes(encoded.tobytes())
 
 
-def write_exr(path: Path, channels: Mapping[str, F32], header: Mapping[str, Any]) -> None:
+def write_exr(path: Path, channels: Mapping[str, NDArray[np.floating]], header: Mapping[str, Any]) -> None:
     """Write a single-part OpenEXR; `header` must name `litrig.kind`, so that a reader can tell what it holds."""
     attributes = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage, **header}
     with replacing(path) as temporary:

@@ -25,11 +25,18 @@ def disc_picture(matcap: DecomposedMatcap, size: int | None = None) -> F32:
     -------
     picture : (S, S, 3) float32, linear light, the disc inscribed; black outside
     """
+    low, high = half_pictures(matcap, size)
+    return low + high
+
+
+def half_pictures(matcap: DecomposedMatcap, size: int | None = None) -> tuple[F32, F32]:
+    """Draw the ball as `disc_picture` does, the low and the high frequencies each by themselves."""
     side = size or matcap.picture_size or DEFAULT_SIDE_PX
     normals, valid = disc_normals(side)
-    picture = np.zeros((side, side, 3), np.float32)
-    picture[valid] = shaded(matcap, normals[valid])
-    return picture
+    pictures = np.zeros((2, side, side, 3), np.float32)
+    for picture, component in zip(pictures, (matcap.low, matcap.high), strict=True):
+        picture[valid] = component_light(component, normals[valid])
+    return pictures[0], pictures[1]
 
 
 def disc_normals(size: int) -> tuple[F64, NDArray[np.bool_]]:
@@ -58,13 +65,19 @@ def energy(component: Component, normals: F64) -> F64:
     return np.maximum(np.asarray(component.base_colour) + component.silhouette.added(theta)[:, None], 0)
 
 
-def seen(component: Component, normals: F64) -> F64:
-    """Return the directions of the maps, (N, 3), that unit normals (N, 3) show under the light as it is turned."""
-    omega = warped(turned(normals, component.normal_turn_deg, back=True), component.slope)
+def seen(component: Component, normals: F64, slopes: F64 | None = None) -> F64:
+    """Return the directions of the maps, (N, 3), that unit normals (N, 3) show under the light as it is turned.
+
+    Parameters
+    ----------
+    slopes : (N,) in place of the component's own
+    """
+    steep = component.slope if slopes is None else slopes
+    omega = warped(turned(normals, component.normal_turn_deg, back=True), steep)
     return turned(omega, component.light_turn_deg, back=True)
 
 
-def warped(normals: F64, slope: float) -> F64:
+def warped(normals: F64, slope: float | F64) -> F64:
     """Turn normals away from the view axis: ω = rot(u, μθ) n about u = e₂ × n/|e₂ × n|, so that θ becomes θ(1 + μ)."""
     across = np.hypot(normals[:, 0], normals[:, 1])
     angle = np.arctan2(across, normals[:, 2]) * (1 + slope)

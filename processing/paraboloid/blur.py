@@ -49,9 +49,15 @@ def blurred(front: F32, back: F32, variance: float, size: int | None = None) -> 
     InputError
         The variance is negative or no number.
     """
+    wanted = size or front.shape[0]
+    front, back = blurred_small(front, back, variance)
+    return (front, back) if front.shape[0] == wanted else resized(front, back, wanted)
+
+
+def blurred_small(front: F32, back: F32, variance: float) -> tuple[F32, F32]:
+    """Blur as `blurred` does, and leave the result at the size that it was done at: no more texels than it needs."""
     if not 0 <= variance < np.inf:
         raise InputError(f"blur: a variance of {variance:g} is none; give 0 or more, in radians squared")
-    wanted = size or front.shape[0]
     front, back = (np.ascontiguousarray(side, np.float32) for side in (front, back))
     left = variance
     while front.shape[0] > _ALL_AT_ONCE and left >= (step := (_STEP_TEXELS * largest_texel(front.shape[0])) ** 2):
@@ -61,10 +67,8 @@ def blurred(front: F32, back: F32, variance: float, size: int | None = None) -> 
         left -= step
     now = front.shape[0]
     if left > 0 and (now < _SMALLEST_GATHERED or (now <= _ALL_AT_ONCE and left >= largest_texel(now) ** 2)):
-        front, back = _summed(front, back, left, min(wanted, now))
-    elif left > 0:
-        front, back = _gathered(front, back, left, now)
-    return (front, back) if front.shape[0] == wanted else resized(front, back, wanted)
+        return _summed(front, back, left)
+    return _gathered(front, back, left, now) if left > 0 else (front, back)
 
 
 def largest_texel(size: int) -> float:
@@ -176,26 +180,27 @@ def _gather(
     return result
 
 
-def _summed(front: F32, back: F32, variance: float, size: int) -> tuple[F32, F32]:
+def _summed(front: F32, back: F32, variance: float) -> tuple[F32, F32]:
     """Blur small maps by summing all directions for each."""
-    held, weights = _weights(front.shape[0], size, variance)
+    size = front.shape[0]
+    held, weights = _weights(size, variance)
     colours = np.concatenate([side.reshape(-1, side.shape[2])[held] for side in (front, back)])
     whole = (weights @ colours).reshape(2, size, size, colours.shape[1])
     return whole[0], whole[1]
 
 
 @lru_cache(maxsize=2)
-def _weights(source: int, size: int, variance: float) -> tuple[NDArray[np.bool_], F32]:
+def _weights(size: int, variance: float) -> tuple[NDArray[np.bool_], F32]:
     """Return which texels of each map hold anything, and what each gives to each texel of the result.
 
     Deconvolution asks for the same many times.
     """
-    u, v = plane(source)
+    u, v = plane(size)
     q = u * u + v * v
     # Texels that the unit circle cuts count by what is in it.
-    cover = (np.clip((1 - np.sqrt(q)) * source / 2 + 0.5, 0, 1) * (2 / (1 + q)) ** 2).ravel()
+    cover = (np.clip((1 - np.sqrt(q)) * size / 2 + 0.5, 0, 1) * (2 / (1 + q)) ** 2).ravel()
     held = cover > 0
-    directions = np.concatenate([side.reshape(-1, 3)[held] for side in texel_directions(source)])
+    directions = np.concatenate([side.reshape(-1, 3)[held] for side in texel_directions(size)])
     wanted = np.concatenate([side.reshape(-1, 3) for side in texel_directions(size)])
     table = np.linspace(-1, 1, 8193)
     weights = np.interp(wanted @ directions.T, table, heat(table, variance)) * np.tile(cover[held], 2)
