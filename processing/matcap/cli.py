@@ -2,6 +2,7 @@
 
 import click
 
+from processing.matcap.decompose_command import decompose
 from processing.matcap.edit_command import edit
 from processing.matcap.estimate_command import estimate
 from processing.matcap.export_command import export
@@ -14,6 +15,7 @@ def matcap() -> None:
     """MatCaps: separate, estimate, decompose, and change light and material."""
 
 
+matcap.add_command(decompose)
 matcap.add_command(edit)
 matcap.add_command(estimate)
 matcap.add_command(export)
