@@ -2,9 +2,12 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import click
 from click.core import ParameterSource
+
+from viewer.matcap_options import matcap_options, matcap_staging
 
 Colour = tuple[float, float, float]
 
@@ -50,7 +53,8 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
     type=(float, float),
     multiple=True,
     help="Where a PTM's light comes from, seen from the camera: right and up, U² + V² ≤ 1; -0.4 0.4 if left out. Given "
-    "again, the lights add up. An AMC has its light in it.",
+    "again, the lights add up. An AMC has its light in it. A decomposed MatCap takes one: its light turns, so "
+    "that what came from the camera comes from there.",
 )
 @click.option(
     "--light-colour",
@@ -144,6 +148,7 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
     type=click.Path(path_type=Path),
     help="Another material, drawn to the right of the first on the same mesh.",
 )
+@matcap_options
 @click.option(
     "--environment",
     metavar="X.env.exr",
@@ -280,6 +285,7 @@ def render(
     tour_frames: int | None,
     fps: float,
     supersample: int,
+    **for_matcaps: Any,
 ) -> None:
     """Draw a material into a picture or a video; neither a display nor a graphics card is needed.
 
@@ -311,6 +317,7 @@ def render(
         amc=AmcStaging(directions, turn_deg, Coordinates(coordinates), unlit, key, add),
         ptm=PtmStaging(lights, colours, softness_deg, diffuse_gain, specular, normals, window, repeat),
         buffers=BuffersStaging(environment, normal_map, diffuse_factor, reflection_factor),
+        matcap=matcap_staging(**for_matcaps),
         occluded=occlusion,
         tangents=tangents,
         beside=beside,
