@@ -359,9 +359,9 @@ def _given_mesh_options() -> tuple[str, ...]:
 def view(file: Path, mesh: str | None, size_px: tuple[int, int] | None, snapshots: Path) -> None:
     """Show a material in a window: turn it, light it, zoom, try it on other meshes.
 
-    The object turns before a camera and under a light that stand still, for a captured table has its light in it. A
-    PTM's light follows the right mouse button, and without --mesh it is shown flat. Snapshots are the pictures that
-    litrig render makes.
+    The object turns before a camera and under a light that stand still, for a captured table has its light in it. The
+    light of a PTM, and all the light of a decomposed MatCap, follows the right mouse button. Without --mesh a PTM is
+    shown flat. Snapshots are the pictures that litrig render makes.
     """
     from viewer.window.run import view_file
 

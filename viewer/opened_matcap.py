@@ -50,7 +50,7 @@ def decomposed_looks(renderer: Renderer, file: Path, staging: Staging, _geometry
 
         def looks(moment: Moment) -> Look:
             round_deg = moment.lights_turn_deg if goes_round else 0.0
-            turn = Rotation.from_euler("z", round_deg, degrees=True) * towards(light)
+            turn = Rotation.from_euler("z", round_deg, degrees=True) * towards(moment.matcap_light or light)
             each = [
                 material.look(occluded=staging.occluded, occlusion=said.occlusion, light_turn=turn)
                 for material in (first, *others)
