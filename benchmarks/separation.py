@@ -1,4 +1,4 @@
-"""Separating MatCaps of 400² and 800², three channels, beside the 2 s and 6 s that the paper takes on a graphics card."""
+"""Separating MatCaps of 400² and 800², three channels, beside the 2 s and 6 s of the paper on a graphics card."""
 
 import statistics
 import time
