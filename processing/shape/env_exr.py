@@ -1,15 +1,16 @@
 """`.env.exr` files: reconstructed environments as multi-part OpenEXR that any program can look into.
 
 Parts `surface.N.front` and `surface.N.back` for each surface N (R, G, B; linear light), all of one square size; every
-part says `litrig.kind` and, as JSON, `litrig.env`, which has the coefficients of the diffuse shading.
+part says `litrig.kind` and, as JSON, `litrig.env`, which has the coefficients of the diffuse shading, and names the
+surfaces whose diffuse or reflected light is that before their albedo.
 """
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Self
 
 import numpy as np
 import OpenEXR
-from pydantic import BaseModel, Field, ValidationError
+from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from litrig.base.errors import FormatError, InputError
 from litrig.base.version import litrig_version
@@ -27,6 +28,7 @@ _MEND = "copy it, or reconstruct the environments again"
 _Number = Annotated[float, Field(allow_inf_nan=False)]
 _Coefficients = Annotated[tuple[tuple[_Number, _Number, _Number], ...], Field(min_length=TERMS, max_length=TERMS)]
 _Surface = Annotated[int, Field(ge=1, lt=1 << 32)]
+_FLAGS = ("diffuse_is_illumination", "reflection_is_illumination")
 
 
 class _Meaning(BaseModel, frozen=True, extra="forbid"):
@@ -34,9 +36,20 @@ class _Meaning(BaseModel, frozen=True, extra="forbid"):
 
     diffuse: Annotated[dict[_Surface, _Coefficients], Field(min_length=1, max_length=MOST_SURFACES)]
     """Nine coefficients, red, green and blue each, by the number of the surface."""
+    diffuse_is_illumination: tuple[_Surface, ...] = ()
+    """Surfaces whose diffuse light is yet to be multiplied by their albedo."""
+    reflection_is_illumination: tuple[_Surface, ...] = ()
+    """Surfaces whose reflected light is yet to be multiplied by their albedo."""
     source: str = ""
     """Digest of the shading buffers."""
     litrig: str
+
+    @model_validator(mode="after")
+    def _names_surfaces_that_are_here(self) -> Self:
+        for number in (*self.diffuse_is_illumination, *self.reflection_is_illumination):
+            if number not in self.diffuse:
+                raise ValueError(f"illumination of surface {number}, which has no coefficients")
+        return self
 
 
 def write_environments(path: Path, environments: Environments, source: str = "") -> None:
@@ -64,6 +77,10 @@ def write_environments(path: Path, environments: Environments, source: str = "")
         meaning = _Meaning.model_validate(
             {
                 "diffuse": {number: one.diffuse.tolist() for number, one in sorted(environments.items())},
+                **{
+                    flag: tuple(number for number, one in sorted(environments.items()) if getattr(one, flag))
+                    for flag in _FLAGS
+                },
                 "source": source,
                 "litrig": litrig_version(),
             }
@@ -121,6 +138,7 @@ def read_environments(path: Path) -> Environments:
             np.array(coefficients, np.float32),
             parts[f"surface.{number}.front"]["RGB"],
             parts[f"surface.{number}.back"]["RGB"],
+            **{flag: number in getattr(meaning, flag) for flag in _FLAGS},
         )
         for number, coefficients in sorted(meaning.diffuse.items())
     }
