@@ -2,7 +2,12 @@
 
 import click
 
+from processing.shape.reconstruct_command import reconstruct
+
 
 @click.group()
 def shape() -> None:
     """Local shape editing of rendered pictures, from their shading buffers."""
+
+
+shape.add_command(reconstruct)

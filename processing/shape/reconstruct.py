@@ -13,7 +13,7 @@ from processing.shape.diffuse.fit import DiffuseOptions, fit_diffuse
 from processing.shape.diffuse.hot_pixels import hot_pixels
 from processing.shape.illumination import illumination
 from processing.shape.model import BACKGROUND, Environments, ShadingBuffers, SurfaceEnvironment
-from processing.shape.reflection.environment import ReflectionOptions, reconstruct_reflection
+from processing.shape.reflection.environment import ReflectionEnvironment, ReflectionOptions, reconstruct_reflection
 
 F32 = NDArray[np.float32]
 Mask = NDArray[np.bool_]
@@ -46,11 +46,13 @@ class Reconstruction:
 
     Attributes
     ----------
-    coverage : by surface, share of all reflected directions that it shows
+    known : by surface, (2, S, S), what it shows of its reflection environment within the unit circle; front and back
+    coverage : by surface, the share of all directions that this is
     remarks : in the order of the surfaces
     """
 
     environments: Environments
+    known: dict[int, Mask]
     coverage: dict[int, float]
     remarks: tuple[str, ...]
 
@@ -84,19 +86,21 @@ def reconstruct(
             found = ", ".join(str(one) for one in seen) or "none"
             raise InputError(f"surface {number}: is not seen; choose among {found}")
     environments: dict[int, SurfaceEnvironment] = {}
+    known: dict[int, Mask] = {}
     coverage: dict[int, float] = {}
     remarks: list[str] = []
     for done, number in enumerate(wanted):
         window = _window(buffers.surfaces == number)
-        environments[number], coverage[number], said = _surface(_cut(buffers, window), number, options)
+        environments[number], rebuilt, said = _surface(_cut(buffers, window), number, options)
+        known[number], coverage[number] = rebuilt.known, rebuilt.coverage
         remarks += [f"surface {number}: {remark}" for remark in said]
         report(Progress("reconstruct environments", done + 1, len(wanted), f"surface {number}"))
-    return Reconstruction(environments, coverage, tuple(remarks))
+    return Reconstruction(environments, known, coverage, tuple(remarks))
 
 
 def _surface(
     buffers: ShadingBuffers, number: int, options: ReconstructOptions
-) -> tuple[SurfaceEnvironment, float, list[str]]:
+) -> tuple[SurfaceEnvironment, ReflectionEnvironment, list[str]]:
     here = buffers.surfaces == number
     remarks = []
     used = here & _sound(buffers)
@@ -131,7 +135,7 @@ def _surface(
         diffuse_is_illumination=buffers.albedo is not None,
         reflection_is_illumination=buffers.reflection_albedo is not None,
     )
-    return environment, rebuilt.coverage, [*remarks, *fit.remarks, *rebuilt.remarks]
+    return environment, rebuilt, [*remarks, *fit.remarks, *rebuilt.remarks]
 
 
 def _light(shading: F32, albedo: F32, used: Mask, number: int) -> tuple[F32, Mask]:

@@ -86,12 +86,14 @@ class ReflectionEnvironment:
     Attributes
     ----------
     front, back : (S, S, 3) float32, as `paraboloid.maps`
-    coverage : share of all directions that the surface shows; the rest is filled in
+    known : (2, S, S) what the surface shows within the unit circle; the rest is filled in
+    coverage : its share of all directions
     remarks : what is to be known about it
     """
 
     front: F32
     back: F32
+    known: Mask
     coverage: float
     remarks: tuple[str, ...]
 
@@ -137,7 +139,7 @@ def reconstruct_reflection(
         extent_px = float(np.hypot(np.ptp(rows) + 1, np.ptp(columns) + 1))
         broken = breaks(seen.pixels, seen.narrowness, seen.known, extent_px)
         front, back = smooth(np.stack([front, back]), broken, options.blur_deg)
-    return ReflectionEnvironment(front, back, seen.coverage, tuple(remarks))
+    return ReflectionEnvironment(front, back, seen.known, seen.coverage, tuple(remarks))
 
 
 def see(
