@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from litrig.base.errors import InputError
 from processing.paraboloid.harmonic_fill import fill
 from processing.paraboloid.maps import places
-from processing.shape.reflection.polygons import Mask, Smoothness, joined, polygons
+from processing.shape.reflection.polygons import Indices, Mask, Smoothness, joined, polygons
 from processing.shape.reflection.raster import SUMS, chart, draw
 from processing.shape.reflection.regularise import breaks, smooth
 
@@ -150,23 +150,28 @@ def see(
     used = used & (facing > 0) if np.any(used & (facing > 0)) else used
     mirrored = mirror(normals, to_eye)
     corners = polygons(*joined(used, normals, to_eye, positions, options.smoothness))
-    size = options.size
-    sums = np.zeros((2, size, size, SUMS))
-    flat, colours = mirrored.reshape(-1, 3), reflection.reshape(-1, 3)
-
-    def half(index: int) -> None:
-        at = chart(flat, front=index == 0)
-        draw(corners, at, colours, used.shape[1], options.interpolation == "quads", sums[index])
-
-    with ThreadPoolExecutor(2) as pool:  # the loops let go of the interpreter's lock
-        list(pool.map(half, range(2)))
-    sums *= (_areas(size) > 0)[..., None]
+    sums = draw_both(corners, mirrored, reflection, options)
+    sums *= (_areas(options.size) > 0)[..., None]
     if not sums[..., -1].any():
         _put_points(mirrored[used], reflection[used], np.argwhere(used), sums)
     weight = sums[..., -1]
     known = weight > 0
     means = sums / np.where(known, weight, 1)[..., None]
     return PartialEnvironment(means[..., :3], known, means[..., 3:5], means[..., 5])
+
+
+def draw_both(corners: Indices, mirrored: F32, reflection: F32, options: ReflectionOptions) -> F64:
+    """Draw polygons between pixels (H, W, 3) into both halves, (2, S, S, 7) as `raster.draw`."""
+    sums = np.zeros((2, options.size, options.size, SUMS))
+    flat, colours = mirrored.reshape(-1, 3), reflection.reshape(-1, 3)
+
+    def half(index: int) -> None:
+        places = chart(flat, front=index == 0)
+        draw(corners, places, colours, mirrored.shape[1], options.interpolation == "quads", sums[index])
+
+    with ThreadPoolExecutor(2) as pool:  # the loops let go of the interpreter's lock
+        list(pool.map(half, range(2)))
+    return sums
 
 
 def mirror(normals: F32, to_eye: F32) -> F32:
