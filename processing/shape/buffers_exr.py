@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import FormatError, InputError
 from processing.exr_parts import listed, require
+from processing.shape.buffers.alpha import straightened
 from processing.shape.buffers.camera import CameraSaid, world_to_camera
 from processing.shape.buffers.channels import read_channels
 from processing.shape.buffers.layers import Found, Layers, find_buffers
@@ -97,6 +98,7 @@ def read_buffers(path: Path, options: ReadOptions | None = None, tell: Tell | No
     for name in ("diffuse", "reflection", "normal", "albedo", "reflection_albedo"):
         if name in made:
             pixels.check_numbers(name, made[name], f"layer {name} holds no numbers")
+    made = straightened(made, coverage, tell)
     normals = decoded_normals(made["normal"], pixels.shown, tell)
     seen = view_of(path, stored, found, made, options.camera, pixels, tell)
     turn = seen.turn.astype(np.float32)

@@ -2,7 +2,14 @@
 
 import click
 
+from processing.shape.info_command import info
+from processing.shape.recompose_command import recompose
+
 
 @click.group()
 def shape() -> None:
     """Local shape editing of rendered pictures, from their shading buffers."""
+
+
+shape.add_command(info)
+shape.add_command(recompose)

@@ -99,9 +99,9 @@ def axes_seen(positions: F32, shown: NDArray[np.bool_]) -> F64:
 
 
 def _numbers(path: Path) -> F64:
-    text = read_limited(path, _LARGEST_MATRIX_BYTES).decode("utf-8", "replace")
+    text = read_limited(path, _LARGEST_MATRIX_BYTES).decode("utf-8", "replace").replace("Matrix 4x4", " ")
     try:
-        numbers = [float(word) for word in re.split(r"[\s,;()\[\]]+|Matrix", text) if word]
+        numbers = [float(word) for word in re.split(r"[\s,;()<>\[\]]+", text) if word]
     except ValueError as error:
         raise InputError(f"{path}: holds what are no numbers ({error}); write 16 numbers, row by row") from error
     if len(numbers) != 16:

@@ -47,13 +47,13 @@ def test_kernel_and_reference_agree(factors: tuple[float, float], strength: floa
 
 def test_three_surfaces_that_reflect_each_other_are_edited_one_by_one() -> None:
     """The picture of one shows the others as they were; its own pixels alone change."""
-    split = np.where((BUFFERS.surfaces == 7) & (BUFFERS.normals[..., 0] > 0), np.uint32(9), BUFFERS.surfaces)
+    split = np.where((BUFFERS.surfaces == 7) & (BUFFERS.normals[..., 1] > 0), np.uint32(9), BUFFERS.surfaces)
     scene, light = dataclasses.replace(BUFFERS, surfaces=split), {**LIGHT, 9: LIGHT[2]}
     for number in light:
         here = scene.surfaces == number
         made = recompose(scene, light, np.where(here[..., None], BUMPED, BUFFERS.normals))
         np.testing.assert_array_equal(bits(made)[~here], bits(BUFFERS.picture)[~here])
-        assert np.abs(made - BUFFERS.picture)[here].max() > 0.1
+        assert np.abs(made - BUFFERS.picture)[here].max() > 0.03
 
 
 def test_factors_are_given_pixel_by_pixel_too() -> None:

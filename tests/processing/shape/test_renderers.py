@@ -288,3 +288,52 @@ def test_a_file_that_mitsuba_wrote_is_recognised(tmp_path: Path) -> None:
     assert found.albedo is not None and np.all(found.albedo[here] == 0.5)
     columns = np.nonzero(here)[1]
     assert np.corrcoef(columns, found.positions[here][:, 0])[0, 1] > 0.9
+
+
+SAMPLE = Path(__file__).parent / "data"
+
+
+def test_a_file_that_blender_wrote_is_recognised() -> None:
+    """Two balls by Cycles of Blender 5.0, in parts, in the world's frame, multiplied by alpha."""
+    remarks: list[str] = []
+    camera = CameraSaid(world_to_camera=SAMPLE / "blender-5.0-camera.txt")
+    found = read_buffers(SAMPLE / "blender-5.0.exr", ReadOptions(camera=camera), remarks.append)
+    assert any("multiplied by alpha" in remark for remark in remarks)
+    assert not any("turned round" in remark or "look away" in remark for remark in remarks)
+    here = (found.surfaces > 0) & (found.coverage == 1)
+    assert set(np.unique(found.surfaces)) == {0, 1, 2} and here.sum() > 100
+    np.testing.assert_allclose((found.diffuse + found.reflection)[here], found.picture[here], atol=1e-5)
+    # The camera stands √62 from the middle of the scene, and the balls have a radius of 1.
+    assert -np.sqrt(62) - 1 < found.positions[here][:, 2].min() < found.positions[here][:, 2].max() < -np.sqrt(62) + 2
+    assert np.sum(found.normals * found.to_eye, axis=-1)[here].min() > 0
+    assert found.albedo is not None
+    red = found.albedo[(found.surfaces == 1) & here]
+    assert red[:, 0].min() > 2 * red[:, 1].max()
+    # A ball's middle follows from any of its points and normals.
+    middles = found.positions[here & (found.surfaces == 1)] - found.normals[here & (found.surfaces == 1)]
+    assert np.linalg.norm(middles - np.median(middles, axis=0), axis=1).max() < 0.1
+
+
+def test_depth_of_blender_agrees_with_its_positions(tmp_path: Path) -> None:
+    with OpenEXR.File(str(SAMPLE / "blender-5.0.exr"), separate_channels=True) as exr:
+        planes = {name: np.array(channel.pixels) for part in exr.parts for name, channel in part.channels.items()}
+    write(tmp_path / "x.exr", {name: plane for name, plane in planes.items() if "Position" not in name})
+    said = CameraSaid(world_to_camera=SAMPLE / "blender-5.0-camera.txt", fov_deg=39.597755)
+    by_depth = read_buffers(tmp_path / "x.exr", ReadOptions(camera=said))
+    by_position = read_buffers(SAMPLE / "blender-5.0.exr", ReadOptions(camera=said))
+    here = (by_position.surfaces > 0) & (by_position.coverage == 1)
+    np.testing.assert_allclose(by_depth.positions[here], by_position.positions[here], atol=0.02)
+
+
+def test_layers_multiplied_by_alpha_are_divided_by_it(tmp_path: Path) -> None:
+    alpha = GOOD.coverage[..., None]
+    over_black = (GOOD.diffuse + GOOD.reflection) * alpha
+    light = dataclasses.replace(
+        GOOD, picture=over_black, diffuse=GOOD.diffuse * alpha, reflection=GOOD.reflection * alpha
+    )
+    write(tmp_path / "x.exr", layers(light))
+    found = read_buffers(tmp_path / "x.exr")
+    np.testing.assert_allclose(found.diffuse, GOOD.diffuse, atol=1e-6)
+    np.testing.assert_array_equal(found.picture, over_black)
+    write(tmp_path / "y.exr", layers(dataclasses.replace(GOOD, picture=over_black)))
+    np.testing.assert_array_equal(read_buffers(tmp_path / "y.exr").diffuse, GOOD.diffuse)
