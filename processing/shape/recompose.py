@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
 from litrig.base.kernels import kernel
+from processing.shape.bands import in_bands
 from processing.shape.model import BACKGROUND, Environments, ShadingBuffers
 from processing.shape.reflectance import check_reflectance
 
@@ -80,25 +81,14 @@ class Recomposer:
         k_d, k_r = (np.array(np.broadcast_to(factor, (height, width)), order="C") for factor in factors)
         b = self._buffers
         picture = np.array(b.picture, np.float32)
-        _recompose(
-            picture,
-            b.coverage,
-            b.diffuse,
-            b.reflection,
-            b.ambient_occlusion,
-            b.reflection_occlusion,
-            b.normals,
-            np.asarray(normals, np.float32),
-            self._to_eye,
-            self._places,
-            self._harmonics,
-            self._maps,
-            self._flags,
-            self._albedo,
-            self._reflection_albedo,
-            k_d,
-            k_r,
-        )
+        planes = (picture, b.coverage, b.diffuse, b.reflection, b.ambient_occlusion, b.reflection_occlusion, b.normals)
+        new = np.asarray(normals, np.float32)
+        light = (self._harmonics, self._maps, self._flags, self._albedo, self._reflection_albedo)
+
+        def shade(first: int, end: int) -> None:
+            _recompose(first, end, *planes, new, self._to_eye, self._places, *light, k_d, k_r)
+
+        in_bands(height, shade)
         return picture
 
 
@@ -118,6 +108,8 @@ def recompose(
 
 @kernel
 def _recompose(
+    first: int,
+    end: int,
     picture: F32,
     coverage: F32,
     diffuse: F32,
@@ -137,10 +129,10 @@ def _recompose(
     k_r: F32,
 ) -> None:
     zero, one, half, two = np.float32(0), np.float32(1), np.float32(0.5), np.float32(2)
-    height, width = places.shape
+    width = places.shape[1]
     size = maps.shape[2]
     terms = np.zeros(9, np.float32)
-    for row in range(height):
+    for row in range(first, end):
         for column in range(width):
             place = places[row, column]
             if place < 0:
@@ -181,13 +173,17 @@ def _recompose(
             u -= np.float32(left)
             v -= np.float32(top)
             alpha, open_d = coverage[row, column], ambient[row, column]
+            red, green, blue = zero, zero, zero
+            if not same:
+                for term in range(1, 9):
+                    red += terms[term] * harmonics[place, term, 0]
+                    green += terms[term] * harmonics[place, term, 1]
+                    blue += terms[term] * harmonics[place, term, 2]
             for channel in range(3):
                 d0, r0 = diffuse[row, column, channel], reflection[row, column, channel]
                 d, r = d0, r0
                 if not same:
-                    rebuilt = zero
-                    for term in range(1, 9):
-                        rebuilt += terms[term] * harmonics[place, term, channel]
+                    rebuilt = red if channel == 0 else green if channel == 1 else blue
                     if flags[place, 0]:
                         rebuilt *= albedo[row, column, channel]
                     d = d0 + open_d * (max(d0 + rebuilt, min(d0, zero)) - d0)

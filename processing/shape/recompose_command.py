@@ -85,8 +85,11 @@ def _shade(
 
     buffers = read_buffers(file, options, say)
     edited = edit(buffers, recipe, say, is_frame=is_frame)
-    if not any(np.any(buffers.surfaces == number) for number in environments):
-        say(f"none of the environments' surfaces ({', '.join(map(str, environments))}) is in {file.name}")
+    touched = np.any(edited.normals != buffers.normals, axis=-1)
+    touched |= (edited.diffuse_factor != 1) | (edited.reflection_factor != 1)
+    without = sorted(set(np.unique(buffers.surfaces[touched]).tolist()) - set(environments))
+    if without:
+        say(f"{file.name}: no environment of surface {', '.join(map(str, without))}, which stays as it is")
     picture = shade_again(
         buffers,
         environments,

@@ -57,6 +57,15 @@ def test_albedo_and_factors_that_vary_are_drawn_alike(renderer: Renderer) -> Non
         recomposed_picture(renderer, BUFFERS, light, BUMPED)
 
 
+def test_what_was_negative_gets_no_darker_and_far_views_are_drawn_alike(renderer: Renderer) -> None:
+    for scene in (
+        dataclasses.replace(BUFFERS, diffuse=BUFFERS.diffuse - 0.5),
+        dataclasses.replace(BUFFERS, orthographic=True, positions=np.zeros_like(BUFFERS.positions)),
+    ):
+        drawn, truth = recomposed_picture(renderer, scene, LIGHT, BUMPED), recompose(scene, LIGHT, BUMPED)
+        assert codes_apart(opaque(drawn), opaque(truth)) <= 2
+
+
 def test_untouched_pixels_keep_their_bits(renderer: Renderer) -> None:
     untouched = np.all(BUFFERS.normals == BUMPED, axis=-1)
     assert 0.3 < untouched.mean() < 0.9

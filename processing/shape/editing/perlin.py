@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.kernels import kernel
+from processing.shape.bands import in_bands
 
 F32 = NDArray[np.float32]
 _PERIOD = 256
@@ -26,15 +27,22 @@ def layered_noise(points: F32, octaves: int, seed: int) -> F32:
     gradients = random.normal(size=(_PERIOD, 3))
     gradients /= np.linalg.norm(gradients, axis=1, keepdims=True)
     values = np.zeros((len(points), 4), np.float32)
-    _add_noise(points, random.permutation(_PERIOD).astype(np.int64), gradients, octaves, values)
+    order = random.permutation(_PERIOD).astype(np.int64)
+    in_bands(len(points), lambda first, end: _add_noise(first, end, points, order, gradients, octaves, values))
     return values
 
 
 @kernel
 def _add_noise(
-    points: F32, order: NDArray[np.int64], gradients: NDArray[np.float64], octaves: int, values: F32
+    first: int,
+    end: int,
+    points: F32,
+    order: NDArray[np.int64],
+    gradients: NDArray[np.float64],
+    octaves: int,
+    values: F32,
 ) -> None:
-    for index in range(points.shape[0]):
+    for index in range(first, end):
         amplitude, frequency = 1.0, 1.0
         for octave in range(octaves):
             # An offset for each octave, or all would be 0 at the origin.

@@ -6,11 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.kernels import kernel
+from processing.shape.bands import in_bands
 from processing.shape.model import BACKGROUND, ShadingBuffers
 
 F32 = NDArray[np.float32]
 _FARTHEST = 2.5
 """Where weights end, in standard deviations."""
+_FARTHEST_DEPTH = 9
+"""Where weights of depth end: half the square of standard deviations."""
+_BINS = 256
 
 
 def smoothed(buffers: ShadingBuffers, normals: F32, radius_px: float, depth_radius: float | None = None) -> F32:
@@ -40,7 +44,9 @@ def smoothed(buffers: ShadingBuffers, normals: F32, radius_px: float, depth_radi
     near = np.exp(-(along[:, None] ** 2 + along**2) / (2 * radius_px**2)).astype(np.float32)
     sums = np.zeros((*depth.shape, 2), np.float32)
     falloff = np.float32(0.5 / depth_radius**2) if depth_radius > 0 else np.float32(0)
-    _average(np.ascontiguousarray(normals, np.float32), depth, buffers.surfaces, near, falloff, sums)
+    planes = (np.ascontiguousarray(normals, np.float32), depth, buffers.surfaces)
+    far = np.exp(-np.arange(0, _FARTHEST_DEPTH + 2 / _BINS, 1 / _BINS)).astype(np.float32)
+    in_bands(len(depth), lambda first, end: _average(first, end, *planes, near, far, falloff, sums))
     z = np.sqrt(np.maximum(1 - np.sum(np.square(sums), axis=-1), 0))
     # A normal that leaned over the rim goes on doing so.
     z = np.where(normals[..., 2] < 0, -z, z)
@@ -49,10 +55,20 @@ def smoothed(buffers: ShadingBuffers, normals: F32, radius_px: float, depth_radi
 
 
 @kernel
-def _average(normals: F32, depth: F32, surfaces: NDArray[np.uint32], near: F32, falloff: np.float32, sums: F32) -> None:
+def _average(
+    first: int,
+    end: int,
+    normals: F32,
+    depth: F32,
+    surfaces: NDArray[np.uint32],
+    near: F32,
+    far: F32,
+    falloff: np.float32,
+    sums: F32,
+) -> None:
     height, width = depth.shape
     reach = near.shape[0] // 2
-    for row in range(height):
+    for row in range(first, end):
         for column in range(width):
             surface = surfaces[row, column]
             if surface == 0:
@@ -61,13 +77,11 @@ def _average(normals: F32, depth: F32, surfaces: NDArray[np.uint32], near: F32, 
             total, x, y = np.float32(0), np.float32(0), np.float32(0)
             for r in range(max(row - reach, 0), min(row + reach + 1, height)):
                 for c in range(max(column - reach, 0), min(column + reach + 1, width)):
-                    if surfaces[r, c] != surface:
-                        continue
                     apart = depth[r, c] - here
-                    far = apart * apart * falloff
-                    if far > np.float32(9):
+                    place = apart * apart * falloff * np.float32(_BINS)
+                    if surfaces[r, c] != surface or place > np.float32(_FARTHEST_DEPTH * _BINS):
                         continue
-                    weight = near[r - row + reach, c - column + reach] * np.exp(-far)
+                    weight = near[r - row + reach, c - column + reach] * far[int(place)]
                     total += weight
                     x += weight * normals[r, c, 0]
                     y += weight * normals[r, c, 1]

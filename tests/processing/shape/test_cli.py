@@ -108,6 +108,15 @@ def test_remarks_are_said_beside_the_result(files: Path, tmp_path: Path) -> None
     assert "note: no ambient occlusion" in told.stderr and "note" not in told.stdout
 
 
+def test_a_surface_without_an_environment_is_named(files: Path, tmp_path: Path) -> None:
+    write_environments(tmp_path / "one.env.exr", {7: LIGHT[7]})
+    words = ["recompose", files / "s.exr", tmp_path / "one.env.exr", "--emboss", 0.5, "-o", tmp_path / "o.exr"]
+    told = CliRunner().invoke(shape, list(map(str, words)))
+    assert "no environment of surface 2, which stays" in told.stderr
+    made, other = read_linear(tmp_path / "o.exr"), BUFFERS.surfaces != 7
+    np.testing.assert_array_equal(made[other], BUFFERS.picture[other])
+
+
 @pytest.mark.parametrize(
     ("words", "reason"),
     [
