@@ -62,9 +62,8 @@ def _buffers() -> ShadingBuffers:
     """A wavy surface of two materials that fills the picture, seen in perspective."""
     random = np.random.default_rng(6)
     rows, columns = np.indices((SIDE, SIDE)).astype(np.float32)
-    slopes: list[NDArray[np.floating]] = [0.9 * np.sin(columns / 70 + 1), 0.9 * np.cos(rows / 55), np.ones_like(rows)]
-    normals = np.stack(slopes, axis=-1)
-    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    slopes = np.stack(np.broadcast_arrays(0.9 * np.sin(columns / 70 + 1), 0.9 * np.cos(rows / 55), np.float32(1)), -1)
+    normals = slopes / np.linalg.norm(slopes, axis=-1, keepdims=True)
     positions = np.stack([columns / SIDE - 0.5, 0.5 - rows / SIDE, np.full_like(rows, -2)], axis=-1)
     diffuse, reflection = (random.uniform(0, 1, normals.shape).astype(np.float32) for _ in range(2))
     open_d, open_r = (random.uniform(0, 1, rows.shape).astype(np.float32) for _ in range(2))
