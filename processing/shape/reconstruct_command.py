@@ -1,11 +1,16 @@
 """`litrig shape reconstruct`."""
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import click
 
-from processing.command_parts import JSON, PATH, check_output, echo_facts
+from processing.command_parts import JSON, PATH, FiniteRange, check_output, echo_facts
+from processing.shape.buffers_options import buffers_options, say
+
+if TYPE_CHECKING:
+    from processing.shape.buffers_exr import ReadOptions
 
 
 @click.command(epilog="Example: litrig shape reconstruct shot.exr -o shot.env.exr --report shot.png")
@@ -37,7 +42,7 @@ from processing.command_parts import JSON, PATH, check_output, echo_facts
 )
 @click.option(
     "--ridge",
-    type=click.FloatRange(0),
+    type=FiniteRange(0),
     default=0.0,
     show_default=True,
     help="Keeps diffuse light small where no normal tells of it, at the cost of a closer fit; 1e-3 or so for surfaces "
@@ -47,7 +52,7 @@ from processing.command_parts import JSON, PATH, check_output, echo_facts
 @click.option(
     "--hot-pixels",
     metavar="FACTOR",
-    type=click.FloatRange(1, min_open=True),
+    type=FiniteRange(1, min_open=True),
     help="Leave out pixels whose diffuse shading is this many times as bright as all around them but two.",
 )
 @click.option(
@@ -59,7 +64,7 @@ from processing.command_parts import JSON, PATH, check_output, echo_facts
 )
 @click.option(
     "--occlusion-threshold",
-    type=click.FloatRange(0, 1),
+    type=FiniteRange(0, 1),
     default=0.5,
     show_default=True,
     help="Reflections of pixels that are less open count for nothing.",
@@ -68,7 +73,7 @@ from processing.command_parts import JSON, PATH, check_output, echo_facts
     "--normal-jump",
     "normal_jump_deg",
     metavar="DEG",
-    type=click.FloatRange(0, 180, min_open=True),
+    type=FiniteRange(0, 180, min_open=True),
     default=30.0,
     show_default=True,
     help="Angle between the normals of neighbouring pixels at which a smooth patch ends.",
@@ -76,7 +81,7 @@ from processing.command_parts import JSON, PATH, check_output, echo_facts
 @click.option(
     "--depth-jump",
     metavar="FACTOR",
-    type=click.FloatRange(0, min_open=True),
+    type=FiniteRange(0, min_open=True),
     default=3.0,
     show_default=True,
     help="Step in depth at which it ends, in multiples of what the surface's slant explains.",
@@ -85,7 +90,7 @@ from processing.command_parts import JSON, PATH, check_output, echo_facts
     "--blur",
     "blur_deg",
     metavar="DEG",
-    type=click.FloatRange(0, 90),
+    type=FiniteRange(0, 90),
     default=0.5,
     show_default=True,
     help="Blur of the reflection environment where patches meet; 0 leaves the breaks.",
@@ -98,6 +103,7 @@ from processing.command_parts import JSON, PATH, check_output, echo_facts
     help="Write a picture with a row a surface: Gauss map, diffuse environment, residuals, reflections seen, "
     "reflection environment, both.",
 )
+@buffers_options
 @JSON
 def reconstruct(
     file: Path,
@@ -114,6 +120,7 @@ def reconstruct(
     depth_jump: float,
     blur_deg: float,
     sheet: Path | None,
+    read_options: "Callable[[], ReadOptions]",
     as_json: bool,
 ) -> None:
     """Find the light of all directions that the surfaces of a rendered picture show, each for itself.
@@ -143,7 +150,7 @@ def reconstruct(
         ReflectionOptions(size, interpolation, occlusion_threshold, Smoothness(normal_jump_deg, depth_jump), blur_deg),
         hot_pixels,
     )
-    buffers = read_buffers(file)
+    buffers = read_buffers(file, read_options(), say)
     with reporting() as report:
         found = reconstruct_from(buffers, surfaces or None, options, report)
     with file.open("rb") as content:
@@ -152,7 +159,7 @@ def reconstruct(
     if sheet is not None:
         write_codes(sheet, reconstruction_sheet(buffers, found))
     for remark in found.remarks:
-        click.echo(f"note: {remark}", err=True)
+        say(remark)
     shown = {str(number): round(share, 4) for number, share in found.coverage.items()}
     if as_json:
         echo_facts({"surfaces": list(found.environments), "coverage": shown, "remarks": list(found.remarks)}, as_json)
