@@ -15,7 +15,7 @@ F32 = NDArray[np.float32]
 U8 = NDArray[np.uint8]
 COLUMNS = 6
 CELL_PX = 240
-_UNKNOWN = np.array([0.8, 0.0, 0.0], np.float32)
+_UNKNOWN = np.array([230, 0, 0], np.uint8)
 _FULL = 0.25
 """Of the brightest shading: a residual whose colour is pure."""
 _WHITE_PERCENTILE = 99.5
@@ -36,12 +36,11 @@ def reconstruction_sheet(buffers: ShadingBuffers, found: Reconstruction) -> U8:
     for number, environment in found.environments.items():
         here = buffers.surfaces == number
         reflected, ball = lit_sphere(environment, CELL_PX, "reflection")
-        seen = np.where(_seen_on_ball(found.known[number])[..., None], reflected, _UNKNOWN)
         cells += [
             gauss_map(buffers.normals[here], buffers.diffuse[here]),
             _shown(lit_sphere(environment, CELL_PX, "diffuse")[0], ball),
             residual_picture(buffers, environment, here),
-            _shown(seen, ball),
+            np.where((ball & ~_seen_on_ball(found.known[number]))[..., None], _UNKNOWN, _shown(reflected, ball)),
             _shown(reflected, ball),
             _shown(lit_sphere(environment, CELL_PX)[0], ball),
         ]
@@ -84,7 +83,8 @@ def residual_picture(buffers: ShadingBuffers, environment: SurfaceEnvironment, h
     square = np.full((side, side, 3), BACKGROUND, np.uint8)
     top, left = (side - window.shape[0]) // 2, (side - window.shape[1]) // 2
     square[top : top + window.shape[0], left : left + window.shape[1]] = window
-    return square
+    dot = max(1, CELL_PX // side)
+    return square.repeat(dot, axis=0).repeat(dot, axis=1)
 
 
 def _seen_on_ball(known: NDArray[np.bool_]) -> NDArray[np.bool_]:
