@@ -1,16 +1,17 @@
 """The quadratic programme of the diffuse environment, solved exactly by few of its constraints (the Shape paper, 3.1).
 
-A fit that has to stay above every pixel touches nine of them at most. It is solved for a sample of the pixels by the
-dual method of Goldfarb and Idnani, which the paper uses for all of them; those that rise furthest above the result are
-added, until none does.
+A fit that has to stay above every pixel touches nine of them at most. It is solved for a sample of the pixels by a dual
+active-set method, as the paper's for all of them is one (that of Goldfarb and Idnani); those that rise furthest above
+the result are added, until none does.
 """
 
 from dataclasses import dataclass
 
+import daqp
 import numpy as np
-import quadprog
 from numpy.typing import NDArray
 
+from litrig.base.errors import InputError
 from processing.shape.diffuse.passes import F32, F64, I64, furthest_above, sums
 from processing.shape.harmonics import TERMS, evaluate
 
@@ -20,6 +21,10 @@ _TIGHT = 1e-13
 """Of the brightest pixel: what a pixel may rise above the fit by rounding."""
 _TOLD_APART = 1e-11
 """Of the largest singular value: what is smaller is a combination of harmonics that the normals do not tell from 0."""
+_TOLERANCES = (1e-14, 1e-11, 1e-8)
+_UNBOUNDED = 1e30
+"""The solver's word for no bound."""
+_SOLVED = 1
 _RESOLVED = 1e-14
 """Of the largest eigenvalue: smaller ones are rounding, and are found at the next look."""
 _LIKE_ONE = 1e-5
@@ -114,7 +119,16 @@ def _solve(
         matrix = np.concatenate([matrix, evaluate(floor) @ basis.combined])
         least = np.concatenate([least, np.zeros(len(floor))])
     target = basis.projected[:, channel] / scale
-    identity = np.eye(len(target))
-    weights, _, _, _, _, active = quadprog.solve_qp(identity, target, matrix.T.copy(), least, 0, True)
-    touched = active[(active > 0) & (active <= len(normals))] - 1
-    return basis.combined @ weights * scale, touched.astype(np.int64)
+    for tolerance in _TOLERANCES:
+        weights, _, status, told = daqp.solve(
+            np.eye(len(target)),
+            -target,
+            np.ascontiguousarray(matrix),
+            np.full(len(least), _UNBOUNDED),
+            least,
+            primal_tol=tolerance,
+        )
+        if status == _SOLVED:
+            touched = np.flatnonzero(told["lam"][: len(normals)])
+            return basis.combined @ weights * scale, touched.astype(np.int64)
+    raise InputError("diffuse environment: its normals are too much alike to stay above all pixels; give a ridge")
