@@ -79,6 +79,7 @@ def _shade(
     import numpy as np
 
     from litrig.base.pictures import write_exr, write_picture
+    from processing.shape.blend import recompose_regions
     from processing.shape.buffers_exr import read_buffers
     from processing.shape.editing.edit import edit
     from processing.shape.recompose import recompose as shade_again
@@ -90,7 +91,8 @@ def _shade(
     without = sorted(set(np.unique(buffers.surfaces[touched]).tolist()) - set(environments))
     if without:
         say(f"{file.name}: no environment of surface {', '.join(map(str, without))}, which stays as it is")
-    picture = shade_again(
+    picture = recompose_regions(
+        shade_again,
         buffers,
         environments,
         edited.normals,

@@ -11,6 +11,7 @@ from litrig.base.errors import InputError
 from litrig.base.progress import Progress, Report, silent
 from processing.shape.diffuse.fit import DiffuseOptions, fit_diffuse
 from processing.shape.diffuse.hot_pixels import hot_pixels
+from processing.shape.extended import Light, with_regions
 from processing.shape.illumination import illumination
 from processing.shape.model import BACKGROUND, Environments, ShadingBuffers, SurfaceEnvironment
 from processing.shape.reflection.environment import ReflectionEnvironment, ReflectionOptions, reconstruct_reflection
@@ -18,6 +19,7 @@ from processing.shape.reflection.environment import ReflectionEnvironment, Refle
 F32 = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 _UNIT = 1e-2
+MOST_REGIONS = 64
 
 
 @dataclass(frozen=True)
@@ -28,16 +30,20 @@ class ReconstructOptions:
     ----------
     hot_pixels : pixels whose diffuse shading is brighter than so many times all around them but two are left out of
         it; None leaves none out
+    regions : parts of each surface with light of their own, for surfaces so extended that it is not the same everywhere
     """
 
     diffuse: DiffuseOptions = field(default_factory=DiffuseOptions)
     reflection: ReflectionOptions = field(default_factory=ReflectionOptions)
     hot_pixels: float | None = None
+    regions: int = 1
 
     def __post_init__(self) -> None:
         """Refuse what means nothing."""
         if self.hot_pixels is not None and not 1 < self.hot_pixels < np.inf:
             raise InputError(f"hot pixels: {self.hot_pixels:g} times all around means nothing; give more than 1")
+        if not 1 <= self.regions <= MOST_REGIONS:
+            raise InputError(f"regions: {self.regions} of a surface mean nothing; give 1 to {MOST_REGIONS}")
 
 
 @dataclass(frozen=True)
@@ -135,6 +141,11 @@ def _surface(
         diffuse_is_illumination=buffers.albedo is not None,
         reflection_is_illumination=buffers.reflection_albedo is not None,
     )
+    if options.regions > 1:
+        if _positions(buffers, used) is None:
+            raise InputError(f"surface {number}: has no positions to divide it by; render them, or leave regions out")
+        light = Light(diffuse, diffuse_used, reflection, reflection_used)
+        environment = with_regions(environment, buffers, light, options.regions, options.diffuse, options.reflection)
     return environment, rebuilt, [*remarks, *fit.remarks, *rebuilt.remarks]
 
 

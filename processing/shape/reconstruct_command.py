@@ -56,6 +56,14 @@ if TYPE_CHECKING:
     help="Leave out pixels whose diffuse shading is this many times as bright as all around them but two.",
 )
 @click.option(
+    "--regions",
+    type=click.IntRange(1, 64),
+    default=1,
+    show_default=True,
+    help="Divide each surface into so many parts with light of their own; for surfaces so extended that it is not the "
+    "same everywhere.",
+)
+@click.option(
     "--interpolation",
     type=click.Choice(["triangles", "quads"]),
     default="triangles",
@@ -114,6 +122,7 @@ def reconstruct(
     ridge: float,
     never_negative: bool,
     hot_pixels: float | None,
+    regions: int,
     interpolation: Literal["triangles", "quads"],
     occlusion_threshold: float,
     normal_jump_deg: float,
@@ -149,6 +158,7 @@ def reconstruct(
         DiffuseOptions(method, ridge, never_negative),
         ReflectionOptions(size, interpolation, occlusion_threshold, Smoothness(normal_jump_deg, depth_jump), blur_deg),
         hot_pixels,
+        regions,
     )
     buffers = read_buffers(file, read_options(), say)
     with reporting() as report:

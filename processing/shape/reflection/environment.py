@@ -106,6 +106,7 @@ def reconstruct_reflection(
     occlusion: F32,
     used: Mask,
     options: ReflectionOptions | None = None,
+    guide: tuple[F32, F32] | None = None,
 ) -> ReflectionEnvironment:
     """Bring a surface's reflections to their directions, fill in the rest, and smooth the breaks.
 
@@ -116,6 +117,7 @@ def reconstruct_reflection(
     positions : (H, W, 3), or None where they are not known
     occlusion : (H, W), α_R, 1 where nothing is in the way
     used : (H, W) the pixels of the surface
+    guide : (S, S, 3) each, what is filled in looks like, as far as what is seen around allows; none is nothing
 
     Raises
     ------
@@ -133,7 +135,10 @@ def reconstruct_reflection(
     seen = see(reflection, normals, to_eye, positions, open_ones, options)
     if seen.coverage < _LITTLE:
         remarks.append(f"it shows {seen.coverage:.0%} of all reflected directions; the rest is filled in from around")
-    front, back = fill(seen.halves[0], seen.halves[1], seen.known[0], seen.known[1])
+    base = np.zeros_like(seen.halves) if guide is None else np.stack(guide)
+    rest = seen.halves - base
+    filled = fill(rest[0], rest[1], seen.known[0], seen.known[1])
+    front, back = ((base[half] + filled[half]).astype(np.float32) for half in (0, 1))
     if options.blur_deg > 0:
         rows, columns = np.nonzero(used)
         extent_px = float(np.hypot(np.ptp(rows) + 1, np.ptp(columns) + 1))

@@ -92,9 +92,28 @@ def rewritten(path: Path, keep: slice = slice(None), without: tuple[str, ...] = 
         (slice(None), {"diffuse": {}}, "diffuse"),
         (slice(None), {"diffuse": {"2": [[0, 0, 0]] * 8}}, r"diffuse\.2"),
         (slice(None), {"what": 1}, "what"),
+        (
+            slice(None),
+            {"regions": {"2": {"falloff": 1, "centres": [[0, 0, 0]] * 2, "diffuse": [[[0, 0, 0]] * 9]}}},
+            "2 centres for 1 regions",
+        ),
+        (
+            slice(None),
+            {"regions": {"3": {"falloff": 1, "centres": [[0, 0, 0]], "diffuse": [[[0, 0, 0]] * 9]}}},
+            "regions of surface 3",
+        ),
         (slice(None), {"diffuse_is_illumination": [9]}, "illumination of surface 9, which has no coefficients"),
     ],
-    ids=["a part short", "a surface short", "no surface", "a coefficient short", "an unknown key", "a stranger"],
+    ids=[
+        "a part short",
+        "a surface short",
+        "no surface",
+        "a coefficient short",
+        "an unknown key",
+        "a region short",
+        "regions of nothing",
+        "a stranger",
+    ],
 )
 def test_a_file_that_contradicts_itself_is_refused(
     tmp_path: Path, keep: slice, changes: dict[str, Any], reason: str
