@@ -9,6 +9,7 @@ from litrig.base.errors import InputError
 from litrig.base.pictures import write_picture
 from processing.shape.buffers_exr import read_buffers, read_normals
 from processing.shape.buffers_options import say
+from processing.shape.displayable import displayable
 from processing.shape.editing.edit import edit
 from processing.shape.editing.operations import Recipe
 from processing.shape.editing.recipe_toml import read_recipe
@@ -47,7 +48,8 @@ def render_buffers(file: Path, output: Path, staging: Staging) -> tuple[int, int
             reflection_factor=told.reflection_factor,
             factor_maps=(edited.diffuse_factor, edited.reflection_factor),
         )
-    write_picture(output, np.asarray(staging.development.apply(picture), np.float32))
+    developed = staging.development.apply(displayable(picture, output, say))
+    write_picture(output, np.asarray(developed, np.float32))
     height, width = buffers.shape
     return width, height
 

@@ -75,6 +75,11 @@ def test_remarks_on_the_buffers_are_said(files: Path, tmp_path: Path) -> None:
     write(tmp_path / "s.exr", stored)
     told = run(tmp_path / "s.exr", "-o", tmp_path / "x.png", "--environment", files / "scene.env.exr")
     assert "note: no ambient occlusion" in told and told.endswith("150 × 120 pixels\n")
+    stored["R"] = np.where(np.arange(150) == 70, np.float32(np.nan), stored["R"])
+    write(tmp_path / "s.exr", stored)
+    told = run(tmp_path / "s.exr", "-o", tmp_path / "x.png", "--environment", files / "scene.env.exr")
+    assert "120 pixels hold no numbers, and are black in x.png" in told
+    assert not codes(tmp_path / "x.png")[:, 70, 0].any()
 
 
 @pytest.mark.parametrize("name", ["scene.exr", "bumps.exr", "scene.env.exr"])

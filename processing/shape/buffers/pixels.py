@@ -20,6 +20,7 @@ _HARDLY_OUTSIDE = 0.05
 _TURNED_AWAY = -0.2
 """n·v below which a normal is no silhouette's any more."""
 _NO_DIRECTION = 1e-3
+_LARGEST = 1e15
 _MOST_COLOURS = 256
 
 
@@ -40,9 +41,9 @@ class Pixels:
         require(self._path, self._seen > 0, f"no surface is seen in it; {MEND} with numbers of surfaces or alpha")
 
     def check_numbers(self, name: str, values: F32, what: str) -> None:
-        """Leave pixels whose values are not finite."""
-        finite = np.isfinite(values)
-        lost: NDArray[np.bool_] = ~finite if values.ndim == 2 else ~np.asarray(finite.all(axis=-1))
+        """Leave pixels whose values are not finite, or so large that their squares are not."""
+        usable = np.abs(values) < _LARGEST
+        lost: NDArray[np.bool_] = ~usable if values.ndim == 2 else ~np.asarray(usable.all(axis=-1))
         self._leave(lost, what, f"{MEND} without them")
 
     def check_apart(self, positions: F32) -> None:
@@ -120,7 +121,7 @@ def surface_numbers(path: Path, names: list[str], planes: list[NDArray[Any]], te
 
 def decoded_normals(normals: F32, shown: NDArray[np.bool_], tell: Tell) -> F32:
     """Bring normals that were stored as colours, (n + 1)/2, back to −1..1."""
-    seen = normals[shown & np.isfinite(normals).all(axis=-1)]
+    seen = normals[shown & (np.abs(normals) < _LARGEST).all(axis=-1)]
     if not seen.size or seen.min() < 0 or seen.max() > 1:
         return normals
     as_stored, as_colour = (np.abs(np.linalg.norm(values, axis=-1) - 1) for values in (seen, 2 * seen - 1))
