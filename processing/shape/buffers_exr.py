@@ -98,7 +98,7 @@ def read_buffers(path: Path, options: ReadOptions | None = None, tell: Tell | No
     for name in ("diffuse", "reflection", "normal", "albedo", "reflection_albedo"):
         if name in made:
             pixels.check_numbers(name, made[name], f"layer {name} holds no numbers")
-    made = straightened(made, coverage, tell)
+    made = straightened(made, coverage, pixels.shown, tell)
     normals = decoded_normals(made["normal"], pixels.shown, tell)
     seen = view_of(path, stored, found, made, options.camera, pixels, tell)
     turn = seen.turn.astype(np.float32)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +48,7 @@ class ShadingBuffers:
         height, width = self.coverage.shape
         return height, width
 
-    @property
+    @cached_property
     def to_eye(self) -> F32:
         """Unit directions (H, W, 3) from the surface to the eye, v; z where there is no surface."""
         towards = -self.positions

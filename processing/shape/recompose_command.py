@@ -81,6 +81,7 @@ def _shade(
     from litrig.base.pictures import write_exr, write_picture
     from processing.shape.blend import recompose_regions
     from processing.shape.buffers_exr import read_buffers
+    from processing.shape.displayable import displayable
     from processing.shape.editing.edit import edit
     from processing.shape.recompose import recompose as shade_again
 
@@ -99,14 +100,11 @@ def _shade(
         diffuse_factor=edited.diffuse_factor,
         reflection_factor=edited.reflection_factor,
     )
-    if output.suffix.lower() != ".exr":
-        if lost := int(np.count_nonzero(~np.isfinite(picture).all(axis=-1))):
-            say(f"{lost} pixels hold no numbers, and are black in {output.name}")
-        picture = np.nan_to_num(picture, nan=0.0, posinf=0.0, neginf=0.0)
-        echo_clipped(output, picture)
-    write_picture(output, picture)
+    changed = np.any(picture != buffers.picture, axis=-1) & (buffers.surfaces > 0)
+    shown = displayable(picture, output, say)
+    echo_clipped(output, shown)
+    write_picture(output, shown)
     if normals_out is not None:
         channels = {f"normal.{axis}": np.ascontiguousarray(edited.normals[..., k]) for k, axis in enumerate("XYZ")}
         write_exr(normals_out, channels, {"litrig.kind": "normals"})
-    changed = np.any(picture != buffers.picture, axis=-1) & (buffers.surfaces > 0)
     click.echo(f"{output}: {picture.shape[1]} × {picture.shape[0]} pixels, {np.mean(changed):.1%} of them changed")

@@ -70,6 +70,18 @@ def test_a_recipe_is_carried_out_on_the_card_as_on_the_processor(files: Path, tm
     assert np.quantile(np.abs(encode_srgb(drawn) - encode_srgb(truth)), 0.999) <= 2 / 255
 
 
+def test_remarks_on_the_buffers_are_said(files: Path, tmp_path: Path) -> None:
+    stored = {name: plane for name, plane in layers(BUFFERS).items() if "occlusion" not in name}
+    write(tmp_path / "s.exr", stored)
+    told = run(tmp_path / "s.exr", "-o", tmp_path / "x.png", "--environment", files / "scene.env.exr")
+    assert "note: no ambient occlusion" in told and told.endswith("150 × 120 pixels\n")
+    stored["R"] = np.where(np.arange(150) == 70, np.float32(np.nan), stored["R"])
+    write(tmp_path / "s.exr", stored)
+    told = run(tmp_path / "s.exr", "-o", tmp_path / "x.png", "--environment", files / "scene.env.exr")
+    assert "120 pixels hold no numbers, and are black in x.png" in told
+    assert not codes(tmp_path / "x.png")[:, 70, 0].any()
+
+
 @pytest.mark.parametrize("name", ["scene.exr", "bumps.exr", "scene.env.exr"])
 def test_a_flipped_bit_is_one_line_or_a_picture(files: Path, tmp_path: Path, name: str) -> None:
     for file in files.iterdir():

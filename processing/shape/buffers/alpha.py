@@ -11,7 +11,7 @@ _LEAST_PIXELS = 4
 _COLOURS = frozenset({"diffuse", "reflection", "albedo", "reflection_albedo"})
 
 
-def is_premultiplied(picture: F32, parts: F32, coverage: F32) -> bool:
+def is_premultiplied(picture: F32, parts: F32, coverage: F32, shown: NDArray[np.bool_]) -> bool:
     """Tell whether the parts of the shading are multiplied by coverage already.
 
     Where a pixel is covered in part, over black, the picture is then their sum, and not the sum times the coverage.
@@ -20,10 +20,10 @@ def is_premultiplied(picture: F32, parts: F32, coverage: F32) -> bool:
     Parameters
     ----------
     picture, parts : (H, W, 3), the latter the sum of diffuse and reflected light
-    coverage : (H, W)
+    coverage, shown : (H, W), the latter where all three can be used
     """
-    rim = (coverage > 0.1) & (coverage < 0.9) & np.all(np.isfinite(picture + parts), axis=-1)
-    rim &= parts.max(axis=-1) > 0
+    rim = shown & (coverage > 0.1) & (coverage < 0.9)
+    rim[rim] = parts[rim].max(axis=-1) > 0
     if np.count_nonzero(rim) < _LEAST_PIXELS:
         return False
     seen, whole = picture[rim], parts[rim]
@@ -39,15 +39,18 @@ def straight(layer: F32, coverage: F32) -> F32:
     return divided
 
 
-def straightened(made: dict[str, F32], coverage: F32, tell: Tell) -> dict[str, F32]:
+def straightened(made: dict[str, F32], coverage: F32, shown: NDArray[np.bool_], tell: Tell) -> dict[str, F32]:
     """Return buffers with diffuse and reflected light as they are on the surface.
 
     Parameters
     ----------
     made : buffers by name, among them picture and diffuse
+    shown : (H, W), where they can be used
     """
-    parts = made["diffuse"] + made.get("reflection", np.float32(0))
-    if not is_premultiplied(made["picture"], parts, coverage):
+    parts = np.where(shown[..., None], made["diffuse"], 0)
+    if "reflection" in made:
+        parts = parts + np.where(shown[..., None], made["reflection"], 0)
+    if not is_premultiplied(made["picture"], parts, coverage, shown):
         return made
     tell("the layers were multiplied by alpha; along rims they are divided by it")
     return {name: straight(plane, coverage) if name in _COLOURS else plane for name, plane in made.items()}

@@ -20,6 +20,7 @@ _HARDLY_OUTSIDE = 0.05
 _TURNED_AWAY = -0.2
 """n·v below which a normal is no silhouette's any more."""
 _NO_DIRECTION = 1e-3
+_LARGEST = 1e15
 _MOST_COLOURS = 256
 
 
@@ -40,9 +41,9 @@ class Pixels:
         require(self._path, self._seen > 0, f"no surface is seen in it; {MEND} with numbers of surfaces or alpha")
 
     def check_numbers(self, name: str, values: F32, what: str) -> None:
-        """Leave pixels whose values are not finite."""
-        finite = np.isfinite(values)
-        lost: NDArray[np.bool_] = ~finite if values.ndim == 2 else ~np.asarray(finite.all(axis=-1))
+        """Leave pixels whose values are not finite, or so large that their squares are not."""
+        usable = np.abs(values) < _LARGEST
+        lost: NDArray[np.bool_] = ~usable if values.ndim == 2 else ~np.asarray(usable.all(axis=-1))
         self._leave(lost, what, f"{MEND} without them")
 
     def check_apart(self, positions: F32) -> None:
@@ -120,7 +121,7 @@ def surface_numbers(path: Path, names: list[str], planes: list[NDArray[Any]], te
 
 def decoded_normals(normals: F32, shown: NDArray[np.bool_], tell: Tell) -> F32:
     """Bring normals that were stored as colours, (n + 1)/2, back to −1..1."""
-    seen = normals[shown & np.isfinite(normals).all(axis=-1)]
+    seen = normals[shown & (np.abs(normals) < _LARGEST).all(axis=-1)]
     if not seen.size or seen.min() < 0 or seen.max() > 1:
         return normals
     as_stored, as_colour = (np.abs(np.linalg.norm(values, axis=-1) - 1) for values in (seen, 2 * seen - 1))
@@ -159,11 +160,12 @@ _CHANNEL = {
 
 
 def _numbered_colours(path: Path, planes: list[NDArray[Any]], tell: Tell) -> NDArray[np.uint32]:
-    """Give surfaces that are told by colours numbers in the order of the colours; black is background."""
+    """Give surfaces that are told by colours the numbers 0xRRGGBB, the same in every frame; black is background."""
     colours = np.nan_to_num(np.stack(planes, axis=-1).astype(np.float32))
     height, width = colours.shape[:2]
     kinds, which, counts = np.unique(colours.reshape(-1, 3), axis=0, return_inverse=True, return_counts=True)
-    colourful = np.any(kinds != 0, axis=1)
+    codes = np.rint(np.clip(kinds, 0, 1) * 255).astype(np.uint32) @ np.array([1 << 16, 1 << 8, 1], np.uint32)
+    colourful = codes != BACKGROUND
     # What filters mix at edges are colours of a few pixels.
     least = max(2, counts[colourful].sum() // 1000) if np.any(colourful) else 1
     kept = colourful & (counts >= least)
@@ -172,7 +174,10 @@ def _numbered_colours(path: Path, planes: list[NDArray[Any]], tell: Tell) -> NDA
         bool(np.count_nonzero(kept) <= _MOST_COLOURS and counts[kept].sum() >= _MOST_LEFT * counts[colourful].sum()),
         f"surfaces have {np.count_nonzero(colourful)} colours; write numbers of surfaces without a filter",
     )
-    numbers = np.where(kept, np.cumsum(kept), BACKGROUND)
-    names = [f"{number} {listed([f'{part:g}' for part in kinds[row]])}" for row, number in enumerate(numbers) if number]
+    alike = [int(code) for code, times in zip(*np.unique(codes[kept], return_counts=True), strict=True) if times > 1]
+    require(
+        path, not alike, f"surfaces {listed([f'{code:06x}' for code in alike])} differ too little in colour; {MEND}"
+    )
+    names = [f"{code} is {code:06x}" for code in codes[kept].tolist()]
     tell(f"surfaces are told by colours: {listed(names)}")
-    return numbers[np.ravel(which)].reshape(height, width).astype(np.uint32)
+    return np.where(kept, codes, BACKGROUND)[np.ravel(which)].reshape(height, width).astype(np.uint32)

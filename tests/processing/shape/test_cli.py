@@ -108,6 +108,21 @@ def test_remarks_are_said_beside_the_result(files: Path, tmp_path: Path) -> None
     assert "note: no ambient occlusion" in told.stderr and "note" not in told.stdout
 
 
+def test_pixels_that_are_no_numbers_come_through_an_exr_and_are_black_in_a_png(files: Path, tmp_path: Path) -> None:
+    stored = layers(BUFFERS)
+    stored["G"] = stored["G"].copy()
+    stored["G"][60, 50] = np.nan
+    write(tmp_path / "s.exr", stored)
+    words: list[str | Path | float] = ["recompose", tmp_path / "s.exr", files / "s.env.exr", "--emboss", 0.5, "-o"]
+    told = CliRunner().invoke(shape, list(map(str, [*words, tmp_path / "o.png"])), catch_exceptions=False)
+    assert "1 pixels hold no numbers, and are black in o.png" in told.stderr
+    assert read_codes(tmp_path / "o.png")[60, 50, 1] == 0
+    run(*words, tmp_path / "o.exr")
+    with OpenEXR.File(str(tmp_path / "o.exr"), separate_channels=True) as exr:
+        assert np.isnan(exr.channels()["G"].pixels[60, 50])
+        assert np.count_nonzero(~np.isfinite(exr.channels()["G"].pixels)) == 1
+
+
 def test_a_surface_without_an_environment_is_named(files: Path, tmp_path: Path) -> None:
     write_environments(tmp_path / "one.env.exr", {7: LIGHT[7]})
     words = ["recompose", files / "s.exr", tmp_path / "one.env.exr", "--emboss", 0.5, "-o", tmp_path / "o.exr"]

@@ -36,6 +36,14 @@ def test_unmodified_normals_give_the_picture_back_bit_for_bit(scene: ShadingBuff
     np.testing.assert_array_equal(bits(reference(lit, LIGHT, lit.normals)), bits(lit.picture))
 
 
+def test_what_a_picture_has_besides_passes_through_edits() -> None:
+    """Emission, and what is seen through a surface."""
+    besides = np.random.default_rng(8).uniform(0, 2, BUFFERS.picture.shape).astype(np.float32)
+    more = dataclasses.replace(BUFFERS, picture=BUFFERS.picture + besides)
+    apart = recompose(more, LIGHT, BUMPED) - recompose(BUFFERS, LIGHT, BUMPED)
+    np.testing.assert_allclose(apart, besides, atol=1e-5)
+
+
 @pytest.mark.parametrize("factors", [(1.0, 1.0), (0.25, 4.0), (0.0, 1.0), (1.5, 0.0)], ids=str)
 @pytest.mark.parametrize("strength", [0.001, 0.02, 0.25, 2.0])
 def test_kernel_and_reference_agree(factors: tuple[float, float], strength: float) -> None:
