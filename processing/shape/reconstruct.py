@@ -1,7 +1,7 @@
 """From shading buffers to the environments of their surfaces (the Shape paper, section 3)."""
 
 from collections.abc import Collection
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -180,7 +180,6 @@ def _window(shown: Mask) -> tuple[slice, slice]:
 
 
 def _cut(buffers: ShadingBuffers, window: tuple[slice, slice]) -> ShadingBuffers:
-    planes: dict[str, Any] = {
-        name: plane[window] for name, plane in vars(buffers).items() if isinstance(plane, np.ndarray)
-    }
+    values = {one.name: getattr(buffers, one.name) for one in fields(buffers)}
+    planes: dict[str, Any] = {name: value[window] for name, value in values.items() if isinstance(value, np.ndarray)}
     return replace(buffers, **planes)
