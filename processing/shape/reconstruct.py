@@ -104,16 +104,29 @@ def reconstruct(
     return Reconstruction(environments, known, coverage, tuple(remarks))
 
 
+def sound_pixels(buffers: ShadingBuffers) -> Mask:
+    """Tell which pixels have light and a direction."""
+    planes = [buffers.diffuse, buffers.reflection, buffers.normals, buffers.positions]
+    planes += [albedo for albedo in (buffers.albedo, buffers.reflection_albedo) if albedo is not None]
+    sound = np.isfinite(buffers.reflection_occlusion)
+    for plane in planes:
+        sound &= np.isfinite(plane).all(axis=-1)
+    with np.errstate(invalid="ignore", over="ignore"):
+        sound &= np.abs(np.linalg.norm(buffers.normals, axis=-1) - 1) < _UNIT
+    return sound
+
+
 def _surface(
     buffers: ShadingBuffers, number: int, options: ReconstructOptions
 ) -> tuple[SurfaceEnvironment, ReflectionEnvironment, list[str]]:
     here = buffers.surfaces == number
     remarks = []
-    used = here & _sound(buffers)
+    used = here & sound_pixels(buffers)
     if lost := int(np.count_nonzero(here & ~used)):
         remarks.append(f"{lost} of {np.count_nonzero(here)} pixels hold no numbers or no direction and are left out")
     if not used.any():
         raise InputError(f"surface {number}: none of its pixels holds light and a direction; render it again")
+    buffers = _emptied(buffers, ~used)
     diffuse_used = reflection_used = used
     if options.hot_pixels is not None:
         diffuse_used = used & ~hot_pixels(buffers.diffuse, used, options.hot_pixels)
@@ -156,16 +169,14 @@ def _light(shading: F32, albedo: F32, used: Mask, number: int) -> tuple[F32, Mas
     return light, told
 
 
-def _sound(buffers: ShadingBuffers) -> Mask:
-    """Tell which pixels have light and a direction."""
-    planes = [buffers.diffuse, buffers.reflection, buffers.normals, buffers.positions]
-    planes += [albedo for albedo in (buffers.albedo, buffers.reflection_albedo) if albedo is not None]
-    sound = np.isfinite(buffers.reflection_occlusion)
-    for plane in planes:
-        sound &= np.isfinite(plane).all(axis=-1)
-    with np.errstate(invalid="ignore", over="ignore"):
-        sound &= np.abs(np.linalg.norm(buffers.normals, axis=-1) - 1) < _UNIT
-    return sound
+def _emptied(buffers: ShadingBuffers, where: Mask) -> ShadingBuffers:
+    """Put zeros where nothing is looked at, so that nothing there can disturb the arithmetic."""
+    names = ("diffuse", "reflection", "normals", "positions", "albedo", "reflection_albedo")
+    planes = {name: getattr(buffers, name) for name in names}
+    kept: dict[str, Any] = {
+        name: np.where(where[..., None], np.float32(0), plane) for name, plane in planes.items() if plane is not None
+    }
+    return replace(buffers, **kept)
 
 
 def _positions(buffers: ShadingBuffers, used: Mask) -> F32 | None:

@@ -9,7 +9,7 @@ from processing.paraboloid.lookup import look_up
 from processing.shape import harmonics
 from processing.shape.lit_sphere import ball_normals, lit_sphere
 from processing.shape.model import ShadingBuffers, SurfaceEnvironment
-from processing.shape.reconstruct import Reconstruction
+from processing.shape.reconstruct import Reconstruction, sound_pixels
 
 F32 = NDArray[np.float32]
 U8 = NDArray[np.uint8]
@@ -34,7 +34,7 @@ def reconstruction_sheet(buffers: ShadingBuffers, found: Reconstruction) -> U8:
     """
     cells: list[U8] = []
     for number, environment in found.environments.items():
-        here = buffers.surfaces == number
+        here = (buffers.surfaces == number) & sound_pixels(buffers)
         reflected, ball = lit_sphere(environment, CELL_PX, "reflection")
         cells += [
             gauss_map(buffers.normals[here], buffers.diffuse[here]),
@@ -52,7 +52,7 @@ def gauss_map(normals: F32, shading: F32) -> U8:
 
     The fewer pixels, the larger their dots.
     """
-    good = (normals[:, 2] >= 0) & np.isfinite(shading).all(axis=1)
+    good = normals[:, 2] >= 0
     dot = int(np.clip(CELL_PX / (0.8 * np.sqrt(max(good.sum(), 1))), 1, CELL_PX / 24))
     size = CELL_PX // dot
     column, row = (
@@ -71,9 +71,9 @@ def residual_picture(buffers: ShadingBuffers, environment: SurfaceEnvironment, h
     if environment.diffuse_is_illumination and buffers.albedo is not None:
         fitted = fitted * buffers.albedo[here]
     shading = buffers.diffuse[here]
-    largest = float(np.max(np.abs(shading), initial=0, where=np.isfinite(shading))) or 1.0
+    largest = float(np.max(np.abs(shading))) or 1.0
     strength = np.zeros(here.shape)
-    strength[here] = np.clip(np.nan_to_num(np.mean(shading - fitted, axis=1)) / (_FULL * largest), -1, 1)
+    strength[here] = np.clip(np.mean(shading - fitted, axis=1) / (_FULL * largest), -1, 1)
     away = np.abs(strength)[..., None]
     colour = np.where(strength[..., None] < 0, [0.1, 0.25, 0.8], [0.85, 0.1, 0.1])
     picture = np.where(here[..., None], 1 - away * (1 - colour), np.array(BACKGROUND) / 255)

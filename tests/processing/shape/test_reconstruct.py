@@ -10,6 +10,7 @@ from processing.shape import harmonics
 from processing.shape.diffuse.fit import DiffuseOptions
 from processing.shape.model import ShadingBuffers
 from processing.shape.reconstruct import ReconstructOptions, reconstruct
+from processing.shape.reconstruction_sheet import reconstruction_sheet
 from processing.shape.reflection.environment import ReflectionOptions
 from tests.processing.matcap.maps import sharp
 from tests.processing.shape.scene import BALLS, TINT, buffers, diffuse_coefficients
@@ -79,15 +80,20 @@ def test_light_before_albedo_is_found_where_there_is_an_albedo() -> None:
 
 
 def test_pixels_that_are_no_numbers_are_left_out_and_told() -> None:
-    broken = replace(OPEN, diffuse=OPEN.diffuse.copy(), reflection=OPEN.reflection.copy(), normals=OPEN.normals.copy())
+    names = ("diffuse", "reflection", "normals", "positions")
+    broken = replace(OPEN, **{name: getattr(OPEN, name).copy() for name in names})
     at = np.argwhere(OPEN.surfaces == 2)
     broken.diffuse[tuple(at[300])] = np.nan
     broken.reflection[tuple(at[400])] = np.inf
     broken.normals[tuple(at[500])] = 0
+    broken.normals[tuple(at[600])] = np.inf
+    broken.positions[tuple(at[700])] = np.inf
+    broken.reflection[tuple(at[700])] = -np.inf
     found = reconstruct(broken, [2], SMALL)
-    assert f"surface 2: 3 of {len(at)} pixels hold no numbers or no direction and are left out" in found.remarks
+    assert f"surface 2: 5 of {len(at)} pixels hold no numbers or no direction and are left out" in found.remarks
     np.testing.assert_allclose(found.environments[2].diffuse, diffuse_coefficients(2), atol=1e-4)
     assert np.isfinite(found.environments[2].front).all()
+    assert reconstruction_sheet(broken, found).any()
 
 
 def test_one_hot_pixel_lifts_the_diffuse_light_unless_it_is_left_out() -> None:
