@@ -157,6 +157,12 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
     help="Other normals for that picture, signed, one a pixel, in the frame of its own.",
 )
 @click.option(
+    "--recipe",
+    metavar="RECIPE",
+    type=click.Path(path_type=Path),
+    help="Edits of that picture's shape, as `shape recompose` writes them with --save-recipe.",
+)
+@click.option(
     "--kd", "diffuse_factor", metavar="K", type=float, default=1.0, help="Scale that picture's diffuse shading."
 )
 @click.option(
@@ -264,6 +270,7 @@ def render(
     beside: Path | None,
     environment: Path | None,
     normal_map: Path | None,
+    recipe: Path | None,
     diffuse_factor: float,
     reflection_factor: float,
     size_px: tuple[int, int] | None,
@@ -310,7 +317,7 @@ def render(
         *(mesh, size_px, view, background, supersample),
         amc=AmcStaging(directions, turn_deg, Coordinates(coordinates), unlit, key, add),
         ptm=PtmStaging(lights, colours, softness_deg, diffuse_gain, specular, normals, window, repeat),
-        buffers=BuffersStaging(environment, normal_map, diffuse_factor, reflection_factor),
+        buffers=BuffersStaging(environment, normal_map, diffuse_factor, reflection_factor, recipe),
         occluded=occlusion,
         tangents=tangents,
         beside=beside,
