@@ -144,6 +144,17 @@ def test_what_rises_upwards_leans_down(tmp_path: Path, across: Any) -> None:
     np.testing.assert_allclose(edited(flat(), bump)[40, 60], wanted, atol=2e-3)
 
 
+@pytest.mark.parametrize("across", ["screen", "positions"])
+def test_a_decal_stands_upright(tmp_path: Path, across: Any) -> None:
+    dot = np.zeros((32, 64, 3), np.uint8)
+    dot[4:10, 6:16] = 255
+    write_codes(tmp_path / "dot.png", dot)
+    unit = 1 if across == "screen" else 0.01
+    bump = Bump(heights=tmp_path / "dot.png", height=10 * unit, size=80 * unit, at=(60, 40), across=across)
+    rows, columns = np.nonzero(edited(flat(), bump)[..., 2] < 0.99)
+    assert 20 <= columns.min() and columns.max() < 45 and 20 <= rows.min() and rows.max() < 36
+
+
 def test_a_relief_on_the_screen_is_drawn_out_along_a_slope(slope_png: Path) -> None:
     """Where the surface turns away by 26.6°, a length on the screen is 1/cos of that on it, and less steep."""
     slanted = flat(n=(0.5, 0, 1))
