@@ -297,6 +297,7 @@ def render(
     from viewer.develop import Development, Tone
     from viewer.materials.amc import Coordinates
     from viewer.motion import Course, Motion
+    from viewer.refusals import is_decomposed
     from viewer.render_file import render_file
     from viewer.staging import AmcStaging, BuffersStaging, PtmStaging, Staging
     from viewer.view import Projection, View
@@ -312,12 +313,15 @@ def render(
     elif tour_frames is not None:
         motion = Motion(Course.TOUR, tour_frames, fps)
     view = View(Projection(projection), yaw_deg, pitch_deg, fov_deg, zoom, roll_deg)
+    recipe = for_matcaps["recipe"]
+    of_shape = recipe if file.suffix.lower() == ".exr" and not is_decomposed(file) else None
+    of_matcap = None if of_shape else recipe
     staging = Staging(
         *(mesh, size_px, view, background, supersample),
         amc=AmcStaging(directions, turn_deg, Coordinates(coordinates), unlit, key, add),
         ptm=PtmStaging(lights, colours, softness_deg, diffuse_gain, specular, normals, window, repeat),
-        buffers=BuffersStaging(environment, normal_map, diffuse_factor, reflection_factor),
-        matcap=matcap_staging(**for_matcaps),
+        buffers=BuffersStaging(environment, normal_map, diffuse_factor, reflection_factor, of_shape),
+        matcap=matcap_staging(**for_matcaps | {"recipe": of_matcap}),
         occluded=occlusion,
         tangents=tangents,
         beside=beside,
