@@ -19,6 +19,11 @@ from processing.matcap.filter import MATT_FILTER_SIZE, slope_of
 
 Kind = Literal["values", "edges", "auto"]
 
+_KINDS: dict[Kind, tuple[Of, ...]] = {
+    "values": ("values", "bumps"),
+    "edges": ("edges",),
+    "auto": ("values", "bumps", "edges"),
+}
 _MOST_FOUND = 3
 _SMALLEST_SIDE = 16
 _WHITE = 1 - 0.5 / 255
@@ -66,7 +71,8 @@ def estimate_filter_size(
     ----------
     component : (S, S, 3) linear light, the disc inscribed in the square
     rois : regions around sharp features; None to find them
-    of : where a region's light is a point or line, "values" of R; where it has an edge, "edges", |R′|; "auto" asks both
+    of : where a region's light is a point or line, "values" of R, above the ground it stands on if need be; where it
+        has an edge, "edges", |R′|; "auto" asks both
     rule : which window counts; "paper" for its four cases, and its equation 6
     quantile : 0 to 1, which of a region's pixels counts; by default the median, by the paper's rule the least
     clipped : (S, S) bool, pixels brighter than the picture could hold; by default those at white
@@ -81,7 +87,7 @@ def estimate_filter_size(
     meridians = Meridians.of(matcap)
     share = quantile if quantile is not None else (0.5 if rule == "plateau" else 0.0)
     question = Question(rule, share, matcap.max(axis=2) >= _WHITE if clipped is None else clipped)
-    kinds: tuple[Of, ...] = ("values", "edges") if of == "auto" else (of,)
+    kinds = _KINDS[of] if rule == "plateau" else tuple(kind for kind in _KINDS[of] if kind != "bumps")
     asked: list[tuple[Region, tuple[Of, ...]]]
     if rois is None:
         asked = [(one.region, (one.of,)) for one in find_regions(meridians, question.clipped, kinds, _MOST_FOUND)]

@@ -8,7 +8,7 @@ from scipy import signal
 
 from processing.matcap.estimate.meridians import Meridians
 from processing.matcap.estimate.profiles import Of, Profiles
-from processing.matcap.estimate.region_estimate import TRUSTED_MISFIT, TRUSTED_SLOPE
+from processing.matcap.estimate.region_estimate import most_trusted
 from processing.matcap.estimate.regions import Region
 from processing.matcap.estimate.rules import settle
 from processing.matcap.estimate.signatures import signatures
@@ -20,13 +20,14 @@ _LEAST_CONTRAST = 0.08
 _TEXELS_A_MERIDIAN = 6
 _SMOOTHING_TEXELS = 1.5
 _MOST_CANDIDATES = 40
-# Neighbours that agree on a feature: how many, within which share of its variance, how far apart.
-_AGREEING, _AGREEMENT, _APART_MERIDIANS = 3, 0.2, 2.5
+# Neighbours that agree on a feature: how many, within which share of its variance (and a pixel), how far apart.
+_AGREEING, _AGREEMENT, _APART_MERIDIANS = 4, 0.12, 2.5
 _SIDE_PX = 5
+_REACH_DEVIATIONS = 2.0
 # At the rim each pixel sees a wide angle, and one that a share of the background is in.
 _NEAR_RIM = 1.25
 # A step has no slope the other way so near, in its own standard deviations; the flank of a narrow light has.
-_STEP_REACH, _STEP_PURITY = 4.0, 0.3
+_STEP_REACH, _STEP_PURITY = 4.0, 0.15
 
 
 @dataclass(frozen=True)
@@ -55,14 +56,22 @@ def find_regions(
     -------
     found : at most so many, the sharpest first
     """
-    found = []
+    found: list[FoundRegion] = []
     for of in kinds:
         theta, phi = _candidates(meridians, of)
         keep = ~_clipped_at(clipped, theta, phi)
         theta, phi = theta[keep][:_MOST_CANDIDATES], phi[keep][:_MOST_CANDIDATES]
         if theta.size:
-            found += _agreed(meridians, theta, phi, of)
+            agreed = _agreed(meridians, theta, phi, of)
+            # The flank of a light is no step, and a light that settles stands on no ground.
+            found += [one for one in agreed if not any(_is_part(one, other, meridians.size) for other in found)]
     return sorted(found, key=lambda one: one.variance)[:most]
+
+
+def _is_part(one: FoundRegion, other: FoundRegion, size: int) -> bool:
+    """Whether a feature lies within another of another kind."""
+    apart = 2 / size * np.hypot(one.region.x - other.region.x, one.region.y - other.region.y)
+    return bool(one.of != other.of and apart < _REACH_DEVIATIONS * np.sqrt(other.variance))
 
 
 def _candidates(meridians: Meridians, of: Of) -> tuple[F64, F64]:
@@ -82,8 +91,8 @@ def _candidates(meridians: Meridians, of: Of) -> tuple[F64, F64]:
         widths = signal.peak_widths(line, peaks, 0.5)[0] * profiles.spacing / 2.355
         for place, width, prominence in zip(peaks, widths, about["prominences"], strict=True):
             # The light that a step adds is the area under its slope.
-            rise = prominence if of == "values" else prominence * width * 2.5
-            if rise > contrast and (of == "values" or _is_step(value, int(place), width / profiles.spacing)):
+            rise = prominence if of != "edges" else prominence * width * 2.5
+            if rise > contrast and (of != "edges" or _is_step(value, int(place), width / profiles.spacing)):
                 rows.append((width, t[place], angle))
     rows.sort()
     table = np.array(rows).reshape(-1, 3)
@@ -110,7 +119,8 @@ def _agreed(meridians: Meridians, theta: F64, phi: F64, of: Of) -> list[FoundReg
     asked = signatures(meridians, theta, phi, of)
     settled = settle(asked, "plateau")
     misfits = asked.misfits[np.arange(len(theta)), settled.at]
-    good = np.isfinite(settled.variances) & (settled.slopes < TRUSTED_SLOPE) & (misfits < TRUSTED_MISFIT)
+    steepest, worst = most_trusted(of)
+    good = np.isfinite(settled.variances) & (settled.slopes < steepest) & (misfits < worst)
     theta, phi, variances = theta[good], phi[good], settled.variances[good]
     x, y = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi)
     found, taken = [], np.zeros(len(theta), np.bool_)
@@ -119,7 +129,8 @@ def _agreed(meridians: Meridians, theta: F64, phi: F64, of: Of) -> list[FoundReg
             continue
         reach = _APART_MERIDIANS * _TEXELS_A_MERIDIAN * meridians.texel
         near = np.hypot(x - x[first], y - y[first]) < max(reach, np.sqrt(variances[first]))
-        alike = near & (np.abs(variances - variances[first]) < _AGREEMENT * variances[first])
+        apart = _AGREEMENT * variances[first] + meridians.texel**2
+        alike = near & (np.abs(variances - variances[first]) < apart)
         taken |= alike
         members = np.flatnonzero(alike)
         if len(members) >= _AGREEING:

@@ -9,7 +9,7 @@ from scipy import fft
 from processing.matcap.estimate.meridians import Meridians
 
 F64 = NDArray[np.float64]
-Of = Literal["values", "edges"]
+Of = Literal["values", "bumps", "edges"]
 
 _SAMPLES_A_TEXEL = 2
 _FAINT_SHARE = 0.01
@@ -28,7 +28,7 @@ class Profiles:
     def __init__(self, meridians: Meridians, theta: F64, phi: F64, of: Of, reach: float) -> None:
         self.spacing = meridians.texel / _SAMPLES_A_TEXEL
         self._half = int(np.ceil(reach / self.spacing)) + 1
-        self.t = self.spacing * np.arange(-self._half, self._half + 1)
+        self.t: F64 = self.spacing * np.arange(-self._half, self._half + 1.0)
         self.inner, self.outer = -meridians.rim - theta, meridians.rim - theta
         angles = theta[:, None] + self.t
         within = np.clip(angles, -meridians.rim, meridians.rim)

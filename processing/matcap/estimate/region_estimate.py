@@ -14,7 +14,9 @@ from processing.matcap.estimate.signatures import Signatures, signatures, signat
 F64 = NDArray[np.float64]
 
 # A signature that slopes more, or a profile that is less of a Gaussian, says little.
-TRUSTED_SLOPE, TRUSTED_MISFIT = 0.15, 0.08
+_TRUSTED_SLOPE, _TRUSTED_MISFIT = 0.15, 0.08
+# Above a ground that is not straight no signature is level for long, but where the ground is right the Gaussian is too.
+_TRUSTED_BUMP_SLOPE, _TRUSTED_BUMP_MISFIT = 0.4, 0.01
 # Of the window within the disc, the share that must be the feature's own lest a neighbour is worth a word.
 _NARROWED = 0.9
 # Standard deviations in pixels below which the pixels themselves blur as much.
@@ -27,7 +29,7 @@ class RegionEstimate:
 
     Attributes
     ----------
-    of : "values" of R, or "edges"
+    of : "values" of R, "bumps" (R above its ground), or "edges"
     variance : rad², the chosen quantile over the region's pixels; NaN where all signatures are degenerate
     least, most : rad², over its pixels
     chosen : the pixel with that variance, or that nearest to it; −1 where none
@@ -66,6 +68,13 @@ class Question:
     clipped: NDArray[np.bool_]
 
 
+def most_trusted(of: Of) -> tuple[float, float]:
+    """Return the steepest signature, and the greatest misfit, with which a profile is trusted."""
+    if of == "bumps":
+        return _TRUSTED_BUMP_SLOPE, _TRUSTED_BUMP_MISFIT
+    return _TRUSTED_SLOPE, _TRUSTED_MISFIT
+
+
 def best_of(meridians: Meridians, region: Region, kinds: tuple[Of, ...], question: Question) -> RegionEstimate:
     """Ask a region for its bump, its edge, or whichever it has.
 
@@ -97,6 +106,7 @@ def ask(meridians: Meridians, region: Region, of: Of, question: Question) -> Reg
     known = np.isfinite(settled.slopes)
     slope = float(np.median(settled.slopes[known])) if known.any() else np.inf
     misfit = _misfit(asked, settled)
+    steepest, worst = most_trusted(of)
     remarks = []
     if _is_clipped(region, np.sqrt(variance), question.clipped):
         remarks.append("its light is clipped at white, which makes the filter size too large")
@@ -105,9 +115,9 @@ def ask(meridians: Meridians, region: Region, of: Of, question: Question) -> Reg
     if question.rule == "plateau":
         if _is_narrowed(meridians, float(theta[chosen]), asked, settled, chosen):
             remarks.append("another light is near; what lies beyond the valley between is left out")
-        if misfit >= TRUSTED_MISFIT:
+        if misfit >= worst:
             remarks.append(f"{misfit:.0%} of its profile is not under one Gaussian; choose a simpler light")
-        if slope >= TRUSTED_SLOPE:
+        if slope >= steepest:
             remarks.append("its signatures do not settle; choose a sharper light")
     return RegionEstimate(
         region=region,
@@ -118,7 +128,7 @@ def ask(meridians: Meridians, region: Region, of: Of, question: Question) -> Reg
         chosen=chosen,
         window=float(asked.windows[settled.at[chosen]]),
         slope=slope,
-        trusted=slope < TRUSTED_SLOPE and not misfit >= TRUSTED_MISFIT,
+        trusted=slope < steepest and not misfit >= worst,
         remarks=tuple(f"region {region}: {remark}" for remark in remarks),
         signatures=asked,
         settled=settled,

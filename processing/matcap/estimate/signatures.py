@@ -19,6 +19,8 @@ _SMOOTHING_SHARE, _LEAST_SMOOTHING_TEXELS = 1 / 8, 0.7
 _MOST_SMOOTHING = 0.4
 _SHARP_TEXELS = 3.0
 _CELLS = 256
+# Of a window, the share at either end that shows the ground a light stands on.
+_FOOT_SHARE = 0.08
 # Smoothing fills valleys, and empties them where a slope changes its sign.
 _SHY_OF_VALLEYS = 2.0
 
@@ -29,7 +31,8 @@ class Signatures:
 
     Attributes
     ----------
-    of : "values" of R where a light is a point or line; "edges", |R′| along θ, where it has an edge
+    of : "values" of R where a light is a point or line; "bumps", R above its ground, where it stands on a wide one;
+        "edges", |R′| along θ, where it has an edge
     windows : (E,) half widths ε in radians, geometric
     variances : (P, E) rad², of the profile without the window; NaN where degenerate (the paper's figure 4d)
     misfits : (P, E) which share of the windowed profile does not lie under the windowed Gaussian, 0..1
@@ -82,8 +85,8 @@ def signatures_by_equation_6(meridians: Meridians, theta: F64, phi: F64, of: Of)
 
 def _ask(profiles: Profiles, window: float, of: Of, texel: float) -> tuple[F64, F64, F64]:
     """Return variances, misfits and widths (P,) of one window."""
-    if of == "values":
-        return _ask_smoothed(profiles, window, 0.0)
+    if of != "edges":
+        return _ask_smoothed(profiles, window, 0.0, above_ground=of == "bumps")
     least, much = _LEAST_SMOOTHING_TEXELS * texel, _SMOOTHING_SHARE * window
     sharp = _ask_smoothed(profiles, window, least)
     if much <= least:
@@ -96,9 +99,12 @@ def _ask(profiles: Profiles, window: float, of: Of, texel: float) -> tuple[F64, 
     return variances, misfits, widths
 
 
-def _ask_smoothed(profiles: Profiles, window: float, smoothing: float) -> tuple[F64, F64, F64]:
+def _ask_smoothed(
+    profiles: Profiles, window: float, smoothing: float, *, above_ground: bool = False
+) -> tuple[F64, F64, F64]:
     near = profiles.near(window)
-    profile, t = profiles.smoothed(smoothing)[:, near], profiles.t[near]
+    t = profiles.t[near]
+    profile: F64 = profiles.smoothed(smoothing)[:, near]
     gaussian = np.exp(-4.5 * (t / window) ** 2)
     first, last = np.maximum(profiles.inner, -window), np.minimum(profiles.outer, window)
     seen = profile * gaussian * profiles.share_between(first[:, None], last[:, None], near)
@@ -108,8 +114,15 @@ def _ask_smoothed(profiles: Profiles, window: float, smoothing: float) -> tuple[
     end = np.minimum(np.where(right < len(t) - 1, t[right] - shy, np.inf), last)
     # What a window sees most of may be another feature than its pixel's, or the last bit of darkness.
     own = (begin <= 0) & (end >= 0) & ~profiles.faint(seen)
+    if above_ground:
+        # At the rim the ground cannot be seen.
+        own &= (begin > profiles.inner) & (end < profiles.outer)
     begin, end = np.where(own, begin, 0), np.where(own, end, 0)
-    weights = gaussian * profiles.share_between(begin[:, None], end[:, None], near)
+    covered = profiles.share_between(begin[:, None], end[:, None], near)
+    if above_ground:
+        ground = _ground(profile, t, begin[:, None], end[:, None])
+        profile = np.maximum(profile - ground, 0)
+    weights = gaussian * covered
     u = np.asarray(t / window, np.float64)
     mean, spread = _moments(profile * weights, u)
     centre, behind = gaussian_behind(mean, spread, begin / window, end / window)
@@ -118,6 +131,17 @@ def _ask_smoothed(profiles: Profiles, window: float, smoothing: float) -> tuple[
         misfit = np.abs(_normalised(profile * weights) - _normalised(fitted)).sum(axis=1) / 2
         variance = behind * window**2 - smoothing**2
     return np.where(own & (variance > 0), variance, np.nan), misfit, (end - begin) / 2
+
+
+def _ground(profile: F64, t: F64, begin: NDArray[np.floating], end: NDArray[np.floating]) -> F64:
+    """Return the line (P, T) that runs under a profile from the one end of the window to the other."""
+    foot = _FOOT_SHARE * (end - begin)
+    first, last = (t >= begin) & (t <= begin + foot), (t >= end - foot) & (t <= end)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        left, right = ((profile * part).sum(axis=1) / part.sum(axis=1) for part in (first, last))
+        rise = (right - left)[:, None] / (end - begin - foot)
+        line: F64 = left[:, None] + rise * (t - begin - foot / 2)
+    return line
 
 
 def _normalised(weighed: F64) -> F64:

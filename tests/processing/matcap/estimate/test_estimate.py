@@ -56,7 +56,7 @@ def test_the_sharpest_light_is_found_by_itself(shape: Shape) -> None:
     found = estimate_filter_size(matcap)
     assert found.filter_size == pytest.approx(sharp.variance, rel=0.05)
     chosen = found.regions[found.chosen or 0]
-    assert chosen.of == sharp.of
+    assert (chosen.of == "edges") == (sharp.of == "edges")
     assert chosen.trusted
 
 
@@ -64,6 +64,15 @@ def test_the_flank_of_a_spot_is_not_taken_for_an_edge() -> None:
     spot = Primitive("spot", 0.7, 0.2)
     found = estimate_filter_size(matcap_of(spot, size=128))
     assert found.filter_size == pytest.approx(spot.variance, rel=0.05)
+
+
+def test_a_highlight_on_a_matt_ground_is_found_and_read_above_it() -> None:
+    spot = Primitive("spot", 0.7, 0.1)
+    along = (2 * np.arange(160) + 1) / 160 - 1
+    ground = 0.3 * np.sqrt(np.clip(1 - along**2 - along[:, None] ** 2, 0, None))[..., None]
+    found = estimate_filter_size((0.6 * matcap_of(spot, size=160) + ground).astype(np.float32))
+    assert found.regions[found.chosen or 0].of == "bumps"
+    assert found.filter_size == pytest.approx(spot.variance, rel=0.1)
 
 
 @pytest.mark.parametrize("brightness", [0.0, 0.5])
