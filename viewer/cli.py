@@ -2,9 +2,12 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import click
 from click.core import ParameterSource
+
+from viewer.matcap_options import matcap_options, matcap_staging
 
 Colour = tuple[float, float, float]
 
@@ -50,7 +53,8 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
     type=(float, float),
     multiple=True,
     help="Where a PTM's light comes from, seen from the camera: right and up, U² + V² ≤ 1; -0.4 0.4 if left out. Given "
-    "again, the lights add up. An AMC has its light in it.",
+    "again, the lights add up. An AMC has its light in it. A decomposed MatCap takes one: its light turns, so "
+    "that what came from the camera comes from there.",
 )
 @click.option(
     "--light-colour",
@@ -144,6 +148,7 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
     type=click.Path(path_type=Path),
     help="Another material, drawn to the right of the first on the same mesh.",
 )
+@matcap_options
 @click.option(
     "--environment",
     metavar="X.env.exr",
@@ -158,9 +163,10 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
 )
 @click.option(
     "--recipe",
-    metavar="RECIPE",
+    metavar="X.recipe.toml",
     type=click.Path(path_type=Path),
-    help="Edits of that picture's shape, as `shape recompose` writes them with --save-recipe.",
+    help="Steps that are done first: to that picture's shape as litrig shape recompose does them, to a decomposed "
+    "MatCap as litrig matcap edit does.",
 )
 @click.option(
     "--kd", "diffuse_factor", metavar="K", type=float, default=1.0, help="Scale that picture's diffuse shading."
@@ -287,6 +293,7 @@ def render(
     tour_frames: int | None,
     fps: float,
     supersample: int,
+    **for_matcaps: Any,
 ) -> None:
     """Draw a material into a picture or a video; neither a display nor a graphics card is needed.
 
@@ -317,7 +324,10 @@ def render(
         *(mesh, size_px, view, background, supersample),
         amc=AmcStaging(directions, turn_deg, Coordinates(coordinates), unlit, key, add),
         ptm=PtmStaging(lights, colours, softness_deg, diffuse_gain, specular, normals, window, repeat),
-        buffers=BuffersStaging(environment, normal_map, diffuse_factor, reflection_factor, recipe),
+        buffers=BuffersStaging(
+            environment, normal_map, diffuse_factor, reflection_factor, recipe if environment else None
+        ),
+        matcap=matcap_staging(None if environment else recipe, **for_matcaps),
         occluded=occlusion,
         tangents=tangents,
         beside=beside,
@@ -359,9 +369,9 @@ def _given_mesh_options() -> tuple[str, ...]:
 def view(file: Path, mesh: str | None, size_px: tuple[int, int] | None, snapshots: Path) -> None:
     """Show a material in a window: turn it, light it, zoom, try it on other meshes.
 
-    The object turns before a camera and under a light that stand still, for a captured table has its light in it. A
-    PTM's light follows the right mouse button, and without --mesh it is shown flat. Snapshots are the pictures that
-    litrig render makes.
+    The object turns before a camera and under a light that stand still, for a captured table has its light in it. The
+    light of a PTM, and all the light of a decomposed MatCap, follows the right mouse button. Without --mesh a PTM is
+    shown flat. Snapshots are the pictures that litrig render makes.
     """
     from viewer.window.run import view_file
 

@@ -21,6 +21,7 @@ class Look:
     uniforms : values by the names that the shaders give them; every one must be used
     textures : what each sampler reads
     switches : names that are defined in both shaders; each set of them is a program of its own
+    others : drawn on the same geometry too, where this one leaves it out
     """
 
     fragment: str
@@ -28,3 +29,4 @@ class Look:
     textures: Mapping[str, Texture] = field(default_factory=dict)
     vertex: str = "mesh.vert"
     switches: frozenset[str] = frozenset()
+    others: tuple["Look", ...] = ()

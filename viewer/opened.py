@@ -16,7 +16,6 @@ from processing.amc.files.low_rank_exr import read_low_rank
 from processing.amc.mips import MipLevel
 from processing.amc.model import Amc
 from processing.matcap.matcap_exr import ENDING as DECOMPOSED
-from processing.matcap.matcap_exr import read_matcap
 from processing.ptm.basis import PTM
 from processing.ptm.files.either import ENDINGS as PTM_ENDINGS
 from processing.ptm.files.either import holds_material, read_any
@@ -24,18 +23,18 @@ from processing.ptm.model import Ptm
 from viewer.geometry import Geometry
 from viewer.key_shadow import KeyShadow
 from viewer.look import Look
+from viewer.looks import Looks
 from viewer.materials.amc import AmcMaterial, Coordinates
-from viewer.materials.decomposed_matcap import DecomposedMatcapMaterial
 from viewer.materials.low_rank import LowRankMaterial
 from viewer.materials.matcap import MatcapMaterial
 from viewer.materials.ptm import PtmMaterial
 from viewer.materials.ptm_shading import PtmShading
 from viewer.motion import Course, Moment, turned_lights
+from viewer.opened_matcap import decomposed_looks
+from viewer.refusals import is_decomposed, refuse_amc_staging, refuse_matcap_staging, refuse_ptm_staging
 from viewer.renderer import Renderer
-from viewer.staging import AmcStaging, PtmStaging, Staging
+from viewer.staging import AmcStaging, Staging
 
-Looks = Callable[[Moment], Look]
-"""Says how a material looks at one moment; cheap, so that it is asked for every frame."""
 Opener = Callable[[Renderer, Path, Staging, Geometry], AbstractContextManager[Looks]]
 
 MATCAP_ENDINGS = (*sorted(DISPLAY_ENDINGS), ".exr", ".hdr")
@@ -49,6 +48,7 @@ def open_looks(renderer: Renderer, file: Path, staging: Staging, geometry: Geome
     InputError, FormatError
         The file is missing, damaged or of an unknown kind, or the staging does not go with it.
     """
+    refuse_matcap_staging(file, staging)
     for holds, opener in _OPENERS:
         if holds(file):
             return opener(renderer, file, staging, geometry)
@@ -58,49 +58,6 @@ def open_looks(renderer: Renderer, file: Path, staging: Staging, geometry: Geome
 
 def is_amc(file: Path) -> bool:
     return file.name.lower().endswith(either.ENDINGS)
-
-
-def refuse_amc_staging(file: Path, staging: Staging, kind: str) -> None:
-    """Refuse what is said of AMCs for another kind of material.
-
-    Raises
-    ------
-    InputError
-        The staging turns or paints the grain, or names other tables.
-    """
-    amc = staging.amc
-    if amc.directions is not None or amc.turn_deg:
-        raise InputError(
-            f"{file}: {kind} has no grain to turn or to paint; leave out the turn and the directions, or give an AMC"
-        )
-    if amc != AmcStaging():
-        raise InputError(
-            f"{file}: {kind} has no tables to choose from or to add; leave out --unlit, --key, --add and "
-            "--coordinates, or give an AMC"
-        )
-
-
-def refuse_ptm_staging(file: Path, staging: Staging, kind: str, instead: str) -> None:
-    """Refuse what is said of PTMs for another kind of material.
-
-    Parameters
-    ----------
-    kind : what the file is, and why that has no use for it
-    instead : what else to do
-
-    Raises
-    ------
-    InputError
-        The staging has lights, or other things that a PTM alone takes.
-    """
-    ptm = staging.ptm
-    if ptm.lights or (staging.motion is not None and staging.motion.course is Course.TOUR):
-        raise InputError(f"{file}: {kind}; leave out the light, {instead}")
-    if ptm != PtmStaging():
-        raise InputError(
-            f"{file}: {kind}; leave out what is for PTMs: --light-colour, --softness, --diffuse-gain, --specular, "
-            "--normals, --window and --repeat"
-        )
 
 
 @contextmanager
@@ -230,18 +187,6 @@ def _matcap_looks(renderer: Renderer, file: Path, staging: Staging, _geometry: G
         yield lambda _: material.look(occluded=staging.occluded)
 
 
-@contextmanager
-def _decomposed_looks(renderer: Renderer, file: Path, staging: Staging, _geometry: Geometry) -> Iterator[Looks]:
-    refuse_ptm_staging(file, staging, "a MatCap has its light in it", "turn the object instead")
-    refuse_amc_staging(file, staging, "a MatCap")
-    with renderer.upload(DecomposedMatcapMaterial, read_matcap(file)) as material:
-        yield lambda _: material.look(occluded=staging.occluded)
-
-
-def _is_decomposed(file: Path) -> bool:
-    return file.name.lower().endswith(DECOMPOSED)
-
-
 def _is_picture(file: Path) -> bool:
     return file.name.lower().endswith(MATCAP_ENDINGS)
 
@@ -250,6 +195,6 @@ def _is_picture(file: Path) -> bool:
 _OPENERS: tuple[tuple[Callable[[Path], bool], Opener], ...] = (
     (is_amc, _amc_looks),
     (holds_material, _ptm_looks),
-    (_is_decomposed, _decomposed_looks),
+    (is_decomposed, decomposed_looks),
     (_is_picture, _matcap_looks),
 )

@@ -15,7 +15,7 @@ from processing.shape.editing.operations import Recipe
 from processing.shape.editing.recipe_toml import read_recipe
 from processing.shape.env_exr import read_environments
 from viewer.materials.shading_buffers import recomposed_picture
-from viewer.opened import refuse_amc_staging
+from viewer.refusals import refuse_amc_staging, refuse_matcap_staging
 from viewer.renderer import Renderer
 from viewer.staging import BuffersStaging, PtmStaging, Staging
 
@@ -70,6 +70,7 @@ def _check_staging(file: Path, staging: Staging) -> Path:
         raise InputError(
             f"{file}: factors {told.diffuse_factor:g} and {told.reflection_factor:g} are no numbers; 1 changes nothing"
         )
+    refuse_matcap_staging(file, staging)
     refuse_amc_staging(file, staging, _KIND)
     if staging.ptm != PtmStaging():
         raise InputError(f"{file}: {_KIND} has its light in it; leave out what is for PTMs")

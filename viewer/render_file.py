@@ -19,11 +19,12 @@ from processing.ptm.files.either import holds_material
 from viewer.geometry import Geometry, mesh_geometry
 from viewer.motion import Course, Moment
 from viewer.opened import is_amc, open_looks
+from viewer.refusals import is_decomposed
 from viewer.render_buffers import render_buffers, uses_buffers
 from viewer.render_flat import render_flat
 from viewer.renderer import Renderer
 from viewer.save import frame_codes, save_rendered
-from viewer.staging import DARK_GREY, DEFAULT_MESH, DEFAULT_SIZE_PX, AmcStaging, PtmStaging, Staging
+from viewer.staging import DARK_GREY, DEFAULT_MESH, DEFAULT_SIZE_PX, AmcStaging, MatcapStaging, PtmStaging, Staging
 from viewer.tangent_lines import lines_look, tangent_lines
 from viewer.targets import Target
 from viewer.video import check_video, write_video
@@ -93,15 +94,17 @@ def _drawing(file: Path, staging: Staging) -> Iterator[Drawn]:
 def _staged_beside(staging: Staging, file: Path) -> Staging:
     """Leave out what was said of the first material and does not go with the second; the mesh has its grain already."""
     other = staging.beside
+    lights = staging.ptm.lights if other is not None and is_decomposed(other) and is_decomposed(file) else ()
     is_table = other is not None and is_amc(other)
     amc = AmcStaging(coordinates=staging.amc.coordinates) if is_table else AmcStaging()
     if other is not None and holds_material(other):
-        return dataclasses.replace(staging, amc=amc)
+        return dataclasses.replace(staging, amc=amc, matcap=MatcapStaging())
     # A light tour of a PTM leaves the other as it is.
     motion = staging.motion
     if motion is not None and holds_material(file):
         motion = dataclasses.replace(motion, course=Course.TURNTABLE)
-    return dataclasses.replace(staging, amc=amc, ptm=PtmStaging(), motion=motion)
+    ptm = PtmStaging(lights=lights)
+    return dataclasses.replace(staging, amc=amc, ptm=ptm, matcap=MatcapStaging(), motion=motion)
 
 
 def staged_mesh(staging: Staging) -> Mesh:

@@ -11,7 +11,8 @@ from litrig.base.radiometry import encode_srgb, to_u8
 from processing.ptm.files.either import read_any
 from viewer.flat_picture import FlatView, open_flat
 from viewer.motion import Course, Moment
-from viewer.opened import check_shading, refuse_amc_staging, refuse_changed_normals, shading_at
+from viewer.opened import check_shading, refuse_changed_normals, shading_at
+from viewer.refusals import refuse_amc_staging, refuse_matcap_staging
 from viewer.renderer import Renderer
 from viewer.save import save_values
 from viewer.staging import Staging
@@ -59,6 +60,7 @@ def render_flat(file: Path, output: Path, staging: Staging) -> tuple[int, int]:
 
 
 def _check_staging(file: Path, staging: Staging) -> None:
+    refuse_matcap_staging(file, staging)
     refuse_amc_staging(file, staging, "a PTM")
     if staging.size_px is not None:
         raise InputError(

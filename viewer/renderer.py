@@ -115,14 +115,6 @@ class Renderer:
         """
         context = self._gl.moderngl
         with context:
-            program = self._program((look.vertex, look.fragment, look.switches))
-            if view is not None:
-                _tell(program, _placed(view.camera(target.size) if isinstance(view, View) else view))
-            for unit, (name, texture) in enumerate(look.textures.items()):
-                texture.use(unit)
-                program[name] = unit
-            for name, value in look.uniforms.items():
-                program[name] = value
             # A framebuffer that is let go while bound makes the next one's creation fail.
             previous = context.detect_framebuffer()
             target.framebuffer.use()
@@ -130,10 +122,23 @@ class Renderer:
                 if clear:
                     target.clear()
                 context.enable_only(moderngl.NOTHING if view is None else moderngl.DEPTH_TEST)
-                geometry.draw(program)
+                for one in (look, *look.others):
+                    geometry.draw(self._told(one, target, view))
                 check_errors(context, "picture")
             finally:
                 previous.use()
+
+    def _told(self, look: Look, target: Drawable, view: View | Camera | None) -> moderngl.Program:
+        """Return a look's program with its uniforms and textures set."""
+        program = self._program((look.vertex, look.fragment, look.switches))
+        if view is not None:
+            _tell(program, _placed(view.camera(target.size) if isinstance(view, View) else view))
+        for unit, (name, texture) in enumerate(look.textures.items()):
+            texture.use(unit)
+            program[name] = unit
+        for name, value in look.uniforms.items():
+            program[name] = value
+        return program
 
     def finish(self) -> None:
         """Wait until all that was asked for is drawn; reading waits by itself."""

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from litrig.base.errors import InputError
+from processing.matcap.variation_files import VariationFiles
 from viewer.develop import Development
 from viewer.materials.amc import Coordinates
 from viewer.materials.ptm_shading import PtmShading, shading_lights
@@ -43,7 +44,8 @@ class PtmStaging:
 
     Attributes
     ----------
-    lights : x and y of the unit vectors to its lights, view frame; none is one from the upper left
+    lights : x and y of the unit vectors to its lights, view frame; none is one from the upper left. A decomposed MatCap
+        has one too: where its light from the camera is turned
     colours : of each light, linear; none is white
     softness_deg : angular radius of the lights
     diffuse_gain : of the second derivatives; 1 changes nothing
@@ -80,6 +82,24 @@ class PtmStaging:
 
 
 @dataclass(frozen=True)
+class MatcapStaging:
+    """What is said of a decomposed MatCap alone.
+
+    Attributes
+    ----------
+    recipe : file of steps that are done to it first
+    variation : pictures that are laid on by the mesh's texture coordinates
+    others : more decomposed MatCaps, chosen by the variation's materials
+    occlusion : how much ambient occlusion darkens the low and the high frequencies
+    """
+
+    recipe: Path | None = None
+    variation: VariationFiles = field(default_factory=VariationFiles)
+    others: tuple[Path, ...] = ()
+    occlusion: tuple[float, float] = (1.0, 1.0)
+
+
+@dataclass(frozen=True)
 class BuffersStaging:
     """What is said of a rendered picture with its shading buffers.
 
@@ -111,6 +131,7 @@ class Staging:
     amc : what is said of an AMC alone
     ptm : what is said of a PTM alone
     buffers : what is said of a rendered picture alone
+    matcap : what is said of a decomposed MatCap alone
     occluded : darken by the mesh's ambient occlusion
     tangents : draw the mesh's tangents over it
     beside : another material file, drawn to the right on the same mesh in the same view
@@ -127,6 +148,7 @@ class Staging:
     amc: AmcStaging = field(default_factory=AmcStaging)
     ptm: PtmStaging = field(default_factory=PtmStaging)
     buffers: BuffersStaging = field(default_factory=BuffersStaging)
+    matcap: MatcapStaging = field(default_factory=MatcapStaging)
     occluded: bool = False
     tangents: bool = False
     beside: Path | None = None

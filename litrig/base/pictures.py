@@ -68,6 +68,33 @@ def read_encoded(path: Path) -> F32:
     return encode_srgb(read_linear(path))
 
 
+def read_coverage(path: Path) -> F32 | None:
+    """Read the alpha (H, W) 0..1 of a PNG, TIFF or EXR; None if it has none.
+
+    Raises
+    ------
+    InputError, FormatError
+        The file is missing or damaged.
+    """
+    ending = path.suffix.lower()
+    if ending == ".exr":
+        channels = _read_exr_channels(path)
+        found = channels["RGBA"][..., 3] if "RGBA" in channels else channels.get("A")
+        return None if found is None else np.ascontiguousarray(found, np.float32)
+    if ending not in DISPLAY_ENDINGS - JPEG_ENDINGS:
+        return None
+    try:
+        codes = cv2.imdecode(np.frombuffer(_read_bytes(path), np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error:  # empty, or larger than OpenCV reads
+        codes = None
+    if codes is None:
+        raise FormatError(f"{path}: damaged, or too large; copy it again")
+    if codes.ndim < 3 or codes.shape[2] != 4 or codes.dtype not in (np.uint8, np.uint16):
+        return None
+    alpha: F32 = codes[..., 3] / np.float32(255 if codes.dtype == np.uint8 else 65535)
+    return alpha
+
+
 def read_codes(path: Path, into: NDArray[Any] | None = None) -> Codes:
     """Read the stored integers of a JPEG, PNG or TIFF, (H, W, 3) uint8 or uint16, RGB.
 
@@ -151,7 +178,7 @@ def write_codes(path: Path, codes: NDArray[np.integer]) -> None:
         temporary.write_bytes(encoded.tobytes())
 
 
-def write_exr(path: Path, channels: Mapping[str, F32], header: Mapping[str, Any]) -> None:
+def write_exr(path: Path, channels: Mapping[str, NDArray[np.floating]], header: Mapping[str, Any]) -> None:
     """Write a single-part OpenEXR; `header` must name `litrig.kind`, so that a reader can tell what it holds."""
     attributes = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage, **header}
     with replacing(path) as temporary:
@@ -162,6 +189,16 @@ def write_exr(path: Path, channels: Mapping[str, F32], header: Mapping[str, Any]
 
 
 def _read_exr_rgb(path: Path) -> F32:
+    channels = _read_exr_channels(path)
+    for name in ("RGB", "RGBA"):
+        if name in channels:
+            return _finite(np.ascontiguousarray(channels[name][..., :3], np.float32), path)
+    if "Y" in channels:
+        return _finite(np.repeat(channels["Y"].astype(np.float32)[..., None], 3, axis=-1), path)
+    raise FormatError(f"{path}: has no RGB channels (found {', '.join(sorted(channels)) or 'none'})")
+
+
+def _read_exr_channels(path: Path) -> dict[str, NDArray[Any]]:
     _read_bytes(path, only_first=True)
     try:
         # OpenEXR says on standard output what it could not decode; it is said below, in one line.
@@ -169,15 +206,9 @@ def _read_exr_rgb(path: Path) -> F32:
             (left, top), (right, bottom) = (corner.tolist() for corner in exr.header()["dataWindow"])
         _refuse_bomb(str(path), max(bottom - top + 1, 1), max(right - left + 1, 1))
         with quiet_library(), OpenEXR.File(str(path)) as exr:
-            channels = {name: np.asarray(channel.pixels) for name, channel in exr.channels().items()}
+            return {name: np.asarray(channel.pixels) for name, channel in exr.channels().items()}
     except (RuntimeError, ValueError, OSError, LookupError, TypeError) as error:
         raise FormatError(f"{path}: damaged EXR ({error}); copy or render it again") from error
-    for name in ("RGB", "RGBA"):
-        if name in channels:
-            return _finite(np.ascontiguousarray(channels[name][..., :3], np.float32), path)
-    if "Y" in channels:
-        return _finite(np.repeat(channels["Y"].astype(np.float32)[..., None], 3, axis=-1), path)
-    raise FormatError(f"{path}: has no RGB channels (found {', '.join(sorted(channels)) or 'none'})")
 
 
 def _read_radiance(path: Path) -> F32:

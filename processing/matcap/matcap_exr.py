@@ -1,21 +1,21 @@
 """`.matcap.exr` files: decomposed MatCaps as multi-part OpenEXR that any program can look into.
 
-Parts `low.front`, `low.back`, `high.front`, `high.back`, each R, G, B in linear light, all of one square size; every
-part says `litrig.kind` and, as JSON, `litrig.matcap`.
+Parts `low.front`, `low.back`, `high.front`, `high.back`, each R, G, B in linear light, all of one square size; then
+`low.picture.0` and so on, R, G, B, A, for pictures that hang in the light. Every part says `litrig.kind` and, as JSON,
+`litrig.matcap`.
 """
 
 from pathlib import Path
-from typing import Annotated
 
 import numpy as np
 import OpenEXR
-from pydantic import BaseModel, Field, ValidationError
+from numpy.typing import NDArray
+from pydantic import ValidationError
 
 from litrig.base.errors import FormatError, InputError
-from litrig.base.table_normals import TableNormal
-from litrig.base.version import litrig_version
 from processing.exr_parts import check_budget, check_part, listed, read_heads, read_parts, require, write_parts
-from processing.matcap.model import Component, DecomposedMatcap
+from processing.matcap.meaning import Meaning
+from processing.matcap.model import DecomposedMatcap
 
 KIND = "matcap-decomposed"
 KEY = "litrig.matcap"
@@ -24,23 +24,7 @@ LARGEST_SIDE = 8192
 _LARGEST_BYTES = 8 << 30
 _NAMES = ("low.front", "low.back", "high.front", "high.back")
 _MEND = "copy it, or take the MatCap apart again"
-_Channel = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-
-
-class _ComponentMeaning(BaseModel, frozen=True, extra="forbid"):
-    base_colour: tuple[_Channel, _Channel, _Channel]
-    slope: Annotated[float, Field(ge=0, le=1)]
-    filter_size: _Channel
-
-
-class _Meaning(BaseModel, frozen=True, extra="forbid"):
-    """The JSON itself."""
-
-    low: _ComponentMeaning
-    high: _ComponentMeaning
-    table_normal: TableNormal
-    source: str = ""
-    litrig: str
+_PICTURE_SIDE = 16384
 
 
 def write_matcap(path: Path, matcap: DecomposedMatcap) -> None:
@@ -59,18 +43,11 @@ def write_matcap(path: Path, matcap: DecomposedMatcap) -> None:
     if not size or any(texels.shape != (size, size, 3) for texels in maps):
         shapes = ", ".join(str(texels.shape) for texels in maps)
         raise InputError(f"{path}: maps {shapes} are no decomposed MatCap; give four of (S, S, 3)")
-    if not all(np.all(np.isfinite(texels)) for texels in maps):
+    pictures = _picture_parts(matcap)
+    if not all(np.all(np.isfinite(texels)) for texels in (*maps, *pictures.values())):
         raise InputError(f"{path}: a map holds what is no number; mend it")
     try:
-        meaning = _Meaning.model_validate(
-            {
-                "low": _parameters(matcap.low),
-                "high": _parameters(matcap.high),
-                "table_normal": matcap.table_normal,
-                "source": matcap.source,
-                "litrig": litrig_version(),
-            }
-        )
+        meaning = Meaning.of(matcap)
     except ValidationError as error:
         raise InputError(f"{path}: {_first(error)}; give finite parameters, and slopes of 0 to 1") from error
     last = np.array([size - 1, size - 1], np.int32)
@@ -81,9 +58,10 @@ def write_matcap(path: Path, matcap: DecomposedMatcap) -> None:
         "litrig.kind": KIND,
         KEY: meaning.model_dump_json(),
     }
+    named = [*zip(_NAMES, maps, strict=True), *pictures.items()]
     parts = [
-        OpenEXR.Part({**header, "name": name}, {"RGB": np.ascontiguousarray(texels, np.float32)})
-        for name, texels in zip(_NAMES, maps, strict=True)
+        OpenEXR.Part({**header, "name": name}, {"RGBA"[: texels.shape[2]]: np.ascontiguousarray(texels, np.float32)})
+        for name, texels in named
     ]
     write_parts(path, parts)
 
@@ -102,40 +80,55 @@ def read_matcap(path: Path) -> DecomposedMatcap:
     kinds = sorted({head.kind or "none" for head in heads})
     require(path, kinds == [KIND], f"is of kind {listed(kinds)}, not {KIND}; give a decomposed MatCap")
     names = [head.name for head in heads]
-    require(path, names == list(_NAMES), f"has parts {listed(names)}, not {listed(list(_NAMES))}; {_MEND}")
+    require(
+        path,
+        names[: len(_NAMES)] == list(_NAMES),
+        f"has parts {listed(names)}, not {listed(list(_NAMES))} first; {_MEND}",
+    )
     size, rows = heads[0].data
     require(
         path,
         0 < size == rows <= LARGEST_SIDE,
         f"claims maps of {size} × {rows}; they are square, 1 to {LARGEST_SIDE} on a side; {_MEND}",
     )
-    for head in heads:
-        check_part(path, head, ["B", "G", "R"], (size, size), (size, size), _MEND)
-    check_budget(path, 4 * 3 * 4 * size * size, _LARGEST_BYTES)
     try:
-        meaning = _Meaning.model_validate_json(heads[0].meaning)
+        meaning = Meaning.model_validate_json(heads[0].meaning)
     except ValidationError as error:
         raise FormatError(f"{path}: {KEY} {_first(error)}; {_MEND}") from error
-    parts = read_parts(path, dict.fromkeys(_NAMES, (size, size, 3)), _MEND)
+    counts = {"low": len(meaning.low.pictures), "high": len(meaning.high.pictures)}
+    hung = [_picture_name(which, number) for which, count in counts.items() for number in range(count)]
+    require(path, names == [*_NAMES, *hung], f"has parts {listed(names)}, not {listed([*_NAMES, *hung])}; {_MEND}")
+    shapes: dict[str, tuple[int, ...]] = dict.fromkeys(_NAMES, (size, size, 3))
+    for head in heads[: len(_NAMES)]:
+        check_part(path, head, ["B", "G", "R"], (size, size), (size, size), _MEND)
+    for head in heads[len(_NAMES) :]:
+        width, height = head.data
+        require(path, 0 < width <= _PICTURE_SIDE and 0 < height <= _PICTURE_SIDE, f"part {head.name} is none; {_MEND}")
+        check_part(path, head, ["A", "B", "G", "R"], (width, height), (size, size), _MEND)
+        shapes[head.name] = (height, width, 4)
+    check_budget(path, sum(4 * int(np.prod(shape)) for shape in shapes.values()), _LARGEST_BYTES)
+    parts = read_parts(path, shapes, _MEND)
     low, high = (
-        Component(
-            front=parts[f"{name}.front"]["RGB"],
-            back=parts[f"{name}.back"]["RGB"],
-            base_colour=told.base_colour,
-            slope=told.slope,
-            filter_size=told.filter_size,
+        told.component(
+            parts[f"{which}.front"]["RGB"],
+            parts[f"{which}.back"]["RGB"],
+            [parts[_picture_name(which, number)]["RGBA"] for number in range(len(told.pictures))],
         )
-        for name, told in (("low", meaning.low), ("high", meaning.high))
+        for which, told in (("low", meaning.low), ("high", meaning.high))
     )
-    return DecomposedMatcap(low, high, meaning.table_normal, meaning.source)
+    return DecomposedMatcap(low, high, meaning.table_normal, meaning.source, meaning.picture_size)
 
 
-def _parameters(component: Component) -> dict[str, object]:
+def _picture_parts(matcap: DecomposedMatcap) -> dict[str, NDArray[np.float32]]:
     return {
-        "base_colour": component.base_colour,
-        "slope": component.slope,
-        "filter_size": component.filter_size,
+        _picture_name(which, number): hung.texels
+        for which, component in (("low", matcap.low), ("high", matcap.high))
+        for number, hung in enumerate(component.pictures)
     }
+
+
+def _picture_name(which: str, number: int) -> str:
+    return f"{which}.picture.{number}"
 
 
 def _first(error: ValidationError) -> str:

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from processing.reference.decomposed_matcap import lookup
+from processing.paraboloid.read import lookup
 from processing.shape import harmonics
 from processing.shape.model import Environments, ShadingBuffers
 from processing.shape.reflectance import check_reflectance

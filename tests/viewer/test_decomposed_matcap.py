@@ -127,6 +127,6 @@ def test_the_command_draws_one(tmp_path: Path) -> None:
     write_matcap(tmp_path / "x.matcap.exr", analytic(32))
     run(tmp_path / "x.matcap.exr", "-o", tmp_path / "x.png", "--mesh", "cloth", *SMALL)
     assert codes(tmp_path / "x.png").std() > 10
-    for option, reason in ((["--light", "0", "0"], "has its light in it"), (["--turn", "9"], "no grain")):
+    for option, reason in ((["--softness", "3"], "has its light in it"), (["--turn", "9"], "no grain")):
         with pytest.raises(InputError, match=reason):
             run(tmp_path / "x.matcap.exr", "-o", tmp_path / "y.png", *option)

@@ -10,8 +10,10 @@ import pytest
 
 from litrig.base.errors import FormatError, InputError
 from litrig.base.table_normals import TableNormal
+from processing.matcap.lights.model import Edge, Hung, Picture, Spot
 from processing.matcap.matcap_exr import KEY, KIND, read_matcap, write_matcap
-from processing.matcap.model import DecomposedMatcap
+from processing.matcap.model import Component, DecomposedMatcap
+from processing.matcap.silhouette import Silhouette
 from tests.processing.matcap.maps import analytic
 
 GOOD = analytic(8, TableNormal.CAMERA)
@@ -34,8 +36,53 @@ def test_another_reader_finds_the_parts_and_the_parameters(tmp_path: Path) -> No
         np.testing.assert_array_equal(exr.parts[3].channels["RGB"].pixels, GOOD.high.back)
         assert all(part.header["litrig.kind"] == KIND for part in exr.parts)
         told = json.loads(exr.parts[0].header[KEY])
-    assert told["high"] == {"base_colour": [0.6, 0.6, 0.7], "slope": 0.9, "filter_size": 0.02}
-    assert told["litrig"]
+    assert {name: told["high"][name] for name in ("base_colour", "slope", "filter_size")} == {
+        "base_colour": [0.6, 0.6, 0.7],
+        "slope": 0.9,
+        "filter_size": 0.02,
+    }
+    assert told["version"] == 2 and told["litrig"]
+
+
+def parameters(component: Component) -> dict[str, Any]:
+    arrays = ("front", "back", "pictures")
+    names = [field.name for field in dataclasses.fields(component) if field.name not in arrays]
+    return {name: getattr(component, name) for name in names}
+
+
+def test_what_was_edited_is_read_bit_by_bit(tmp_path: Path) -> None:
+    texels = np.random.default_rng(1).random((3, 5, 4), np.float32)
+    picture = Picture(colour=(1, 1, 1), direction=(0, 0.6, 0.8), size_deg=20, name="flame")
+    high = dataclasses.replace(
+        GOOD.high,
+        silhouette=Silhouette(30, 0.5, -0.25),
+        light_turn_deg=(0, 30, 1),
+        normal_turn_deg=(5, 0, 0),
+        lights=(Edge(colour=(1, 2, 3), pole=(0, 1, 0)), Spot(colour=(1, 1, 0), direction=(0, 0, 1), size_deg=3)),
+        pictures=(Hung(picture, texels),),
+    )
+    write_matcap(tmp_path / "x.matcap.exr", dataclasses.replace(GOOD, high=high, picture_size=77))
+    found = read_matcap(tmp_path / "x.matcap.exr")
+    assert found.picture_size == 77
+    assert parameters(found.high) == parameters(high)
+    assert found.high.pictures[0].picture == picture
+    np.testing.assert_array_equal(found.high.pictures[0].texels, texels)
+
+
+def test_a_file_of_the_first_version_is_read(tmp_path: Path) -> None:
+    def older(heads: list[dict[str, Any]], _: list[np.ndarray]) -> None:
+        kept = ("base_colour", "slope", "filter_size")
+        for head in heads:
+            meaning = json.loads(head[KEY])
+            for which in ("low", "high"):
+                meaning[which] = {name: meaning[which][name] for name in kept}
+            del meaning["version"], meaning["picture_size"]
+            head[KEY] = json.dumps(meaning)
+
+    rewritten(tmp_path / "x.matcap.exr", older)
+    found = read_matcap(tmp_path / "x.matcap.exr")
+    assert parameters(found.low) == parameters(GOOD.low)
+    assert found.picture_size is None
 
 
 def changed(**low: Any) -> DecomposedMatcap:
@@ -84,6 +131,11 @@ def told(**changes: Any) -> Callable[[list[dict[str, Any]], list[np.ndarray]], N
     return change
 
 
+def hanging_nothing() -> dict[str, Any]:
+    picture = {"shape": "picture", "colour": [1, 1, 1], "direction": [0, 0, 1], "size_deg": 9}
+    return {"base_colour": [1, 1, 1], "slope": 1, "filter_size": 0, "pictures": [picture]}
+
+
 def other_kind(heads: list[dict[str, Any]], _: list[np.ndarray]) -> None:
     heads[2]["litrig.kind"] = "picture"
 
@@ -114,6 +166,10 @@ def not_a_number(_: list[dict[str, Any]], pixels: list[np.ndarray]) -> None:
         pytest.param(not_a_number, "part high.front holds values that are no numbers", id="NaN"),
         pytest.param(told(table_normal="sideways"), "table_normal", id="table normal"),
         pytest.param(told(extra=1), "extra", id="an unknown key"),
+        pytest.param(told(version=3), "version", id="a later version"),
+        pytest.param(
+            told(low=hanging_nothing()), r"has parts .* not .* low\.picture\.0", id="a picture that is not there"
+        ),
         pytest.param(told(low={"base_colour": [1, 1, 1], "slope": 2, "filter_size": 0}), r"low\.slope", id="slope"),
     ],
 )

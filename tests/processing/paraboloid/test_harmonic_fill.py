@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from litrig.base.errors import InputError
 from processing.paraboloid.harmonic_fill import fill
 from processing.paraboloid.maps import texel_directions
-from processing.reference.decomposed_matcap import lookup
+from processing.paraboloid.read import lookup
 
 F64 = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -1,6 +1,6 @@
 import numpy as np
 
-from processing.reference.decomposed_matcap import lookup
+from processing.paraboloid.read import lookup
 from processing.shape import harmonics
 from processing.shape.lit_sphere import lit_sphere
 from tests.processing.shape.scene import environments

@@ -5,7 +5,7 @@ import pytest
 
 from litrig.base.errors import InputError
 from litrig.base.progress import Progress
-from processing.reference.decomposed_matcap import lookup
+from processing.paraboloid.read import lookup
 from processing.shape import harmonics
 from processing.shape.diffuse.fit import DiffuseOptions
 from processing.shape.model import ShadingBuffers

@@ -1,0 +1,73 @@
+"""Pictures of discs, and their masks, in and out of files."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from litrig.base.errors import InputError
+from litrig.base.pictures import DISPLAY_ENDINGS, read_coverage, read_linear, write_codes, write_picture
+from litrig.base.radiometry import decode_srgb, decode_srgb_codes, encode_srgb, to_u8
+from processing.matcap.disc import check_disc
+from processing.matcap.separation.blend import Blend, above
+
+F32 = NDArray[np.float32]
+Bools = NDArray[np.bool_]
+_OPAQUE = 1 - 1 / 512
+
+
+@dataclass(frozen=True)
+class DiscPicture:
+    """A MatCap as it was read.
+
+    Attributes
+    ----------
+    colours : (S, S, 3) float32 linear light
+    covered : (S, S) bool, what its alpha and a mask leave; None is all of it
+    """
+
+    colours: F32
+    covered: Bools | None
+
+
+def read_disc(path: Path, mask: Path | None = None) -> DiscPicture:
+    """Read a MatCap; what is not opaque is no data, nor what is dark in the mask.
+
+    Raises
+    ------
+    InputError, FormatError
+        A file cannot be read, is no MatCap, or the mask is of another size.
+    """
+    colours = read_linear(path)
+    check_disc(colours, str(path))
+    covered = None
+    coverage = read_coverage(path)
+    if coverage is not None:
+        covered = coverage >= _OPAQUE
+    if mask is not None:
+        bright = read_linear(mask).max(axis=2)
+        if bright.shape != colours.shape[:2]:
+            raise InputError(
+                f"{mask}: {bright.shape[1]} × {bright.shape[0]}, but the MatCap is {colours.shape[1]} × "
+                f"{colours.shape[0]}; give a mask of its size"
+            )
+        kept = bright > float(decode_srgb(np.array(0.5)))
+        covered = kept if covered is None else covered & kept
+    return DiscPicture(colours, covered)
+
+
+def write_layers(low_path: Path, high_path: Path, low: NDArray[np.floating], whole: F32, blend: Blend) -> None:
+    """Write a low layer (S, S, 3), and the high one that makes the whole out of it.
+
+    In 8 bits the low one is rounded down, and the high one holds what it lost.
+    """
+    if low_path.suffix.lower() in DISPLAY_ENDINGS:
+        rounded = to_u8(encode_srgb(low))
+        rounded -= (decode_srgb_codes(rounded) > low) & (rounded > 0)
+        write_codes(low_path, rounded)
+        stored = decode_srgb_codes(rounded)
+    else:
+        stored = np.minimum(low.astype(np.float32), whole)
+        write_picture(low_path, stored)
+    write_picture(high_path, above(whole, np.minimum(stored, whole), blend).astype(np.float32))

@@ -1,0 +1,136 @@
+"""`litrig matcap estimate`."""
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from processing.command_parts import JSON, PATH, check_output
+
+if TYPE_CHECKING:
+    from processing.matcap.estimate.estimate import FilterEstimate, Kind
+    from processing.matcap.estimate.region_estimate import RegionEstimate
+    from processing.matcap.estimate.rules import Rule
+
+
+@click.command(epilog="Example: litrig matcap estimate brass.png --roi 310 120 9 9 --plot signatures.png")
+@click.argument("image", metavar="IMAGE", type=PATH)
+@click.option(
+    "--roi",
+    "rois",
+    type=int,
+    nargs=4,
+    metavar="X Y W H",
+    multiple=True,
+    help="Region around a sharp light, in pixels from the upper left corner; can be given again. By default found.",
+)
+@click.option(
+    "--rule",
+    type=click.Choice(["plateau", "paper"]),
+    default="plateau",
+    show_default=True,
+    help="Which size of the window counts: where variance changes least with it, or by the paper's four cases.",
+)
+@click.option(
+    "--of",
+    type=click.Choice(["values", "edges", "auto"]),
+    default="auto",
+    show_default=True,
+    help="What lights are taken for: points and lines (values), edges of larger ones, or whichever fits.",
+)
+@click.option(
+    "--quantile",
+    type=click.FloatRange(0, 1),
+    help="Which of a region's pixels counts: .5 is the median (default of plateau), 0 the least (default of paper).",
+)
+@click.option("--plot", "plot_path", type=PATH, metavar="PNG", help="Draw variance over the window's size.")
+@JSON
+def estimate(
+    image: Path,
+    rois: tuple[tuple[int, int, int, int], ...],
+    rule: "Rule",
+    of: "Kind",
+    quantile: float | None,
+    plot_path: Path | None,
+    as_json: bool,
+) -> None:
+    """Estimate how much a MatCap's material blurs light: its filter size ν, its slope μ(ν), its base colour.
+
+    The sharpest light decides: its blur is taken for the material's alone.
+    """
+    from litrig.base.errors import InputError
+    from litrig.base.pictures import read_linear
+    from processing.matcap.base_colour import white_patch
+    from processing.matcap.estimate.estimate import estimate_filter_size
+    from processing.matcap.estimate.meridians import inside_disc
+    from processing.matcap.estimate.regions import Region
+
+    if plot_path is not None:
+        check_output(plot_path, ".png")
+    picture = read_linear(image)
+    regions = [Region(*roi) for roi in rois] or None
+    try:
+        found = estimate_filter_size(picture, regions, of=of, rule=rule, quantile=quantile)
+    except InputError as error:
+        raise InputError(f"{image}: {error}") from error
+    colour = white_patch(picture, inside_disc(picture.shape[0]))
+    if plot_path is not None:
+        from processing.matcap.estimate.plot import plot_signatures
+
+        plot_signatures(plot_path, found)
+    if as_json:
+        click.echo(json.dumps(_facts(found, colour)))
+        return
+    for remark in found.remarks:
+        click.echo(remark, err=True)
+    deviation_deg = math.degrees(math.sqrt(found.filter_size))
+    click.echo(f"filter size ν: {found.filter_size:.4g} rad², a standard deviation of {deviation_deg:.2f}°")
+    click.echo(f"slope μ: {found.slope:.3f}")
+    click.echo(f"base colour: {colour[0]:.3f} {colour[1]:.3f} {colour[2]:.3f}, linear")
+    for index, region in enumerate(found.regions):
+        click.echo(("* " if index == found.chosen else "  ") + _line(region))
+    if plot_path is not None:
+        click.echo(f"{plot_path}: signatures")
+
+
+def _line(region: "RegionEstimate") -> str:
+    if math.isnan(region.variance):
+        return f"region {region.region}, {region.of}: degenerate"
+    doubt = "" if region.trusted else ", in doubt"
+    return (
+        f"region {region.region}, {region.of}: {region.variance:.4g} rad² ({region.least:.4g} to {region.most:.4g}), "
+        f"window ± {math.degrees(region.window):.1f}°{doubt}"
+    )
+
+
+def _facts(found: "FilterEstimate", colour: tuple[float, float, float]) -> dict[str, Any]:
+    return {
+        "filter_size": found.filter_size,
+        "deviation_deg": math.degrees(math.sqrt(found.filter_size)),
+        "slope": found.slope,
+        "base_colour": list(colour),
+        "chosen": found.chosen,
+        "remarks": list(found.remarks),
+        "regions": [
+            {
+                "x": region.region.x,
+                "y": region.region.y,
+                "width": region.region.width,
+                "height": region.region.height,
+                "of": region.of,
+                "variance": _number(region.variance),
+                "least": _number(region.least),
+                "most": _number(region.most),
+                "window_deg": _number(math.degrees(region.window)),
+                "trusted": region.trusted,
+                "remarks": list(region.remarks),
+            }
+            for region in found.regions
+        ],
+    }
+
+
+def _number(value: float) -> float | None:
+    return None if math.isnan(value) else value

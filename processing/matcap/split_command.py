@@ -1,0 +1,138 @@
+"""`litrig matcap split`."""
+
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from processing.command_parts import JSON, PATH, PICTURES, check_output, echo_clipped, echo_facts
+
+if TYPE_CHECKING:
+    from processing.matcap.separation.blend import Blend
+    from processing.matcap.separation.separate import Separation
+
+    Separate = Callable[[Path], Separation]
+
+
+def separating(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options of a separation, handed over as `separated`, which reads a picture and takes it apart."""
+
+    @click.option(
+        "--form",
+        type=click.Choice(["continuous", "discrete"]),
+        default="continuous",
+        show_default=True,
+        help="continuous: held against light from every direction. discrete: against the directions of pixels, as in "
+        "the paper; darker, and the more so the smaller the picture.",
+    )
+    @click.option("--mask", metavar="IMAGE", type=PATH, help="What is dark in it is no data; of the picture's size.")
+    @click.option(
+        "--rim",
+        "rim_px",
+        type=click.FloatRange(0, 1000),
+        metavar="PX",
+        help="Pixels this near to the rim are no data. By default those that a background reaches.",
+    )
+    @click.option(
+        "--floor",
+        type=click.FloatRange(0, 1e6),
+        metavar="V",
+        help="Values up to this, in linear light, hold nothing down. One black pixel blackens half a sphere: 0 lets "
+        "black ink pass.",
+    )
+    @click.option(
+        "--percentile",
+        "percent",
+        type=click.FloatRange(0, 100, max_open=True),
+        default=0.0,
+        metavar="P",
+        help="Nor do the darkest P of a hundred pixels of each channel.",
+    )
+    @click.option(
+        "--tolerance",
+        type=click.FloatRange(0, 1),
+        default=1e-4,
+        show_default=True,
+        metavar="SHARE",
+        help="How exact the continuous form is, in parts of the brightest value. 0 takes the longer, the smoother the "
+        "picture.",
+    )
+    @wraps(command)
+    def with_separation(
+        *args: Any,
+        form: Any,
+        mask: Path | None,
+        rim_px: float | None,
+        floor: float | None,
+        percent: float,
+        tolerance: float,
+        **options: Any,
+    ) -> Any:
+        def separated(image: Path) -> "Separation":
+            from processing.matcap.disc_file import read_disc
+            from processing.matcap.separation.known import Ignored
+            from processing.matcap.separation.separate import separate
+
+            disc = read_disc(image, mask)
+            return separate(
+                disc.colours,
+                form=form,
+                covered=disc.covered,
+                ignored=Ignored(rim_px, floor, percent),
+                tolerance=tolerance,
+                source=str(image),
+            )
+
+        return command(*args, separated=separated, **options)
+
+    return with_separation
+
+
+@click.command(epilog="Example: litrig matcap split clay.png -o clay.low.png clay.high.png")
+@click.argument("image", metavar="IMAGE", type=PATH)
+@click.option(
+    "-o",
+    "--output",
+    "outputs",
+    metavar="LOW HIGH",
+    nargs=2,
+    type=PATH,
+    required=True,
+    help="What to write: .exr keeps linear light as it is; .png, .jpg and .tif hold 8 bits.",
+)
+@click.option(
+    "--blend",
+    type=click.Choice(["add", "screen", "lighten"]),
+    default="add",
+    show_default=True,
+    help="How HIGH over LOW makes IMAGE again, in linear light: sum, 1 − (1 − LOW)(1 − HIGH), or the brighter one.",
+)
+@JSON
+@separating
+def split(image: Path, outputs: tuple[Path, Path], blend: "Blend", as_json: bool, separated: "Separate") -> None:
+    """Split a MatCap into low and high frequencies, akin to diffuse light and gloss.
+
+    IMAGE is square, the disc inscribed in it; what lies outside, and what is not opaque, is no data. LOW is the
+    brightest matt shading that fits under it.
+    """
+    from processing.matcap.disc_file import write_layers
+
+    for output in outputs:
+        check_output(output, *PICTURES)
+    separation = separated(image)
+    whole = (separation.low + separation.high).astype("float32")
+    echo_clipped(outputs[0], whole)
+    write_layers(*outputs, separation.low, whole, blend)
+    total = float(whole.sum())
+    echo_facts(
+        {
+            "low": str(outputs[0]),
+            "high": str(outputs[1]),
+            "size": len(whole),
+            "pixels": int(separation.known.sum()),
+            "share_of_light_in_low": round(float(separation.low.sum()) / total, 4) if total else 0.0,
+        },
+        as_json,
+    )
