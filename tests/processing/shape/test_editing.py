@@ -134,6 +134,36 @@ def test_a_slope_tilts_by_its_angle_and_turns_with_its_picture(slope_png: Path, 
     np.testing.assert_array_equal(edited(flat(), bump)[0, 0], [0, 0, 1])
 
 
+@pytest.mark.parametrize("across", ["screen", "positions"])
+def test_what_rises_upwards_leans_down(tmp_path: Path, across: Any) -> None:
+    column = np.round((31.5 - np.arange(32)) / 32 * 65535).astype(np.uint16)
+    write_codes(tmp_path / "up.png", np.repeat(np.tile(column[:, None], (1, 64))[..., None], 3, axis=-1))
+    unit = 1 if across == "screen" else 0.01
+    bump = Bump(heights=tmp_path / "up.png", height=10 * unit, size=80 * unit, at=(60, 40), across=across)
+    wanted = np.array([0, -0.25, 1]) / np.hypot(0.25, 1)
+    np.testing.assert_allclose(edited(flat(), bump)[40, 60], wanted, atol=2e-3)
+
+
+@pytest.mark.parametrize("across", ["screen", "positions"])
+def test_a_decal_stands_upright(tmp_path: Path, across: Any) -> None:
+    dot = np.zeros((32, 64, 3), np.uint8)
+    dot[4:10, 6:16] = 255
+    write_codes(tmp_path / "dot.png", dot)
+    unit = 1 if across == "screen" else 0.01
+    bump = Bump(heights=tmp_path / "dot.png", height=10 * unit, size=80 * unit, at=(60, 40), across=across)
+    rows, columns = np.nonzero(edited(flat(), bump)[..., 2] < 0.99)
+    assert columns.min() >= 20 and columns.max() < 45 and rows.min() >= 20 and rows.max() < 36
+
+
+def test_a_relief_on_the_screen_is_drawn_out_along_a_slope(slope_png: Path) -> None:
+    """Where the surface turns away by 26.6°, a length on the screen is 1/cos of that on it, and less steep."""
+    slanted = flat(n=(0.5, 0, 1))
+    found = edited(slanted, Bump(heights=slope_png, height=20, size=80, at=(60, 40)))[40, 60]
+    tilt = np.degrees(np.arccos(np.sum(found * slanted.normals[0, 0])))
+    np.testing.assert_allclose(tilt, np.degrees(np.arctan(0.25 / np.hypot(0.5, 1))), atol=0.1)
+    assert found[0] < slanted.normals[0, 0, 0] and found[1] == 0
+
+
 def test_a_decal_lies_on_a_slanted_surface_as_on_a_flat_one(slope_png: Path) -> None:
     slanted = flat(n=(0.5, 0, 1))
     bump = Bump(heights=slope_png, height=0.2, size=0.8, at=(60, 40), across="positions")
