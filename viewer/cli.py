@@ -162,6 +162,13 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
     help="Other normals for that picture, signed, one a pixel, in the frame of its own.",
 )
 @click.option(
+    "--recipe",
+    metavar="X.recipe.toml",
+    type=click.Path(path_type=Path),
+    help="Steps that are done first: to that picture's shape as litrig shape recompose does them, to a decomposed "
+    "MatCap as litrig matcap edit does.",
+)
+@click.option(
     "--kd", "diffuse_factor", metavar="K", type=float, default=1.0, help="Scale that picture's diffuse shading."
 )
 @click.option(
@@ -269,6 +276,7 @@ def render(
     beside: Path | None,
     environment: Path | None,
     normal_map: Path | None,
+    recipe: Path | None,
     diffuse_factor: float,
     reflection_factor: float,
     size_px: tuple[int, int] | None,
@@ -297,7 +305,6 @@ def render(
     from viewer.develop import Development, Tone
     from viewer.materials.amc import Coordinates
     from viewer.motion import Course, Motion
-    from viewer.refusals import is_decomposed
     from viewer.render_file import render_file
     from viewer.staging import AmcStaging, BuffersStaging, PtmStaging, Staging
     from viewer.view import Projection, View
@@ -313,15 +320,14 @@ def render(
     elif tour_frames is not None:
         motion = Motion(Course.TOUR, tour_frames, fps)
     view = View(Projection(projection), yaw_deg, pitch_deg, fov_deg, zoom, roll_deg)
-    recipe = for_matcaps["recipe"]
-    of_shape = recipe if file.suffix.lower() == ".exr" and not is_decomposed(file) else None
-    of_matcap = None if of_shape else recipe
     staging = Staging(
         *(mesh, size_px, view, background, supersample),
         amc=AmcStaging(directions, turn_deg, Coordinates(coordinates), unlit, key, add),
         ptm=PtmStaging(lights, colours, softness_deg, diffuse_gain, specular, normals, window, repeat),
-        buffers=BuffersStaging(environment, normal_map, diffuse_factor, reflection_factor, of_shape),
-        matcap=matcap_staging(**for_matcaps | {"recipe": of_matcap}),
+        buffers=BuffersStaging(
+            environment, normal_map, diffuse_factor, reflection_factor, recipe if environment else None
+        ),
+        matcap=matcap_staging(None if environment else recipe, **for_matcaps),
         occluded=occlusion,
         tangents=tangents,
         beside=beside,

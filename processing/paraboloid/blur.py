@@ -30,6 +30,8 @@ _BEYOND_TEXELS = 10
 _ALL_AT_ONCE = 32
 _SMALLEST_GATHERED = 16
 """Maps of fewer texels a side than the second are summed whole, of at most the first if the blur covers texels."""
+_LEAST_TEXELS = 0.05
+"""A blur by less is none."""
 _WHOLE = 1.25
 _COARSE = 250.0
 """Maps are halved as they are where the variance of the blur is so many times that of their largest texel's square."""
@@ -75,9 +77,11 @@ def blurred_small(front: F32, back: F32, variance: float) -> tuple[F32, F32]:
         front, back = _gathered(front, back, step, front.shape[0] // 2)
         left -= step
     now = front.shape[0]
+    if left < (_LEAST_TEXELS * largest_texel(now)) ** 2:
+        return front, back
     if left > 0 and (now < _SMALLEST_GATHERED or (now <= _ALL_AT_ONCE and left >= largest_texel(now) ** 2)):
         return _summed(front, back, left)
-    return _gathered(front, back, left, now) if left > 0 else (front, back)
+    return _gathered(front, back, left, now)
 
 
 def largest_texel(size: int) -> float:

@@ -15,6 +15,10 @@ from processing.paraboloid.seam import F64, Grid, Mask, Reads, ghosts
 
 _MOST_CYCLES = 40
 _COARSEST = 8
+_RELAXATIONS = 2
+_MOST_RELAXATIONS = 16
+_SLOW = 0.5
+"""Of the last cycle's change: more of it, and the next cycles relax more often."""
 _REACH = 3.0
 """Texels beyond the circle that the solver reads."""
 
@@ -83,31 +87,35 @@ def solve(levels: list[Level], values: F64, source: F64, tolerance: float) -> F6
             coarse, guess = guess, pyramid[depth][0]
             spread(coarse, level.free, level.spans, guess)
         level.ghosts.refresh(guess)
-        limit = tolerance * spread_of
+        times, last = _RELAXATIONS, np.inf
         for _ in range(_MOST_CYCLES if depth == 0 else 2):
             before = guess.copy()
-            _cycle(levels, depth, guess, pyramid[depth][1])
-            if float(np.abs(guess - before).max()) <= limit:
+            _cycle(levels, depth, guess, pyramid[depth][1], times)
+            change = float(np.abs(guess - before).max())
+            if change <= tolerance * spread_of:
                 break
+            # Ragged holes, and those of single texels, are worse on coarse grids.
+            times = min(2 * times, _MOST_RELAXATIONS) if change > _SLOW * last else times
+            last = change
     return guess
 
 
-def _cycle(levels: list[Level], depth: int, values: F64, source: F64) -> None:
+def _cycle(levels: list[Level], depth: int, values: F64, source: F64, times: int) -> None:
     """Improve values in place: smooth, correct from the coarser grid, smooth."""
     level = levels[depth]
     if depth + 1 == len(levels):
         level.relax(values, source, 30)
         return
-    level.relax(values, source, 2)
+    level.relax(values, source, times)
     missing = level.residual(values, source)
     coarser = levels[depth + 1]
     rest = np.zeros(coarser.shape)
     gather(missing, coarser.free, coarser.spans, rest)
     correction = np.zeros(coarser.shape)
-    _cycle(levels, depth + 1, correction, rest)
+    _cycle(levels, depth + 1, correction, rest, times)
     spread(correction, level.free, level.spans, values)
     level.ghosts.refresh(values)
-    level.relax(values, source, 2)
+    level.relax(values, source, times)
 
 
 def _shares(level: Level, coarser: Grid) -> F64:

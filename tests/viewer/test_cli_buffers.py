@@ -109,7 +109,7 @@ def test_a_flipped_bit_is_one_line_or_a_picture(files: Path, tmp_path: Path, nam
     ("arguments", "reason"),
     [
         (["scene.exr", "--normal-map", "bumps.exr"], "give those with --environment"),
-        (["scene.exr", "--recipe", "x.recipe.toml"], "give those with --environment"),
+        (["scene.exr", "--recipe", "x.recipe.toml"], "--recipe .but for a rendered picture with its --environment"),
         (["scene.exr", "--kd", "2"], "give those with --environment"),
         (["scene.exr", "--environment", "no.env.exr"], "(?i)no such file"),
         (["scene.exr", "--environment", "scene.exr"], "is of kind none, not environments"),

@@ -129,3 +129,21 @@ def test_only_corners_being_known_is_nothing() -> None:
     corner[0, 0] = True
     with pytest.raises(InputError, match="nothing is known"):
         fill(np.ones((16, 16, 3)), np.ones((16, 16, 3)), corner, corner)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_in_ragged_holes_each_texel_is_the_mean_of_its_neighbours(seed: int) -> None:
+    """Holes of single texels, lines, and all but some, at odd sizes: where multigrid has its trouble."""
+    random = np.random.default_rng(seed)
+    size = int(random.integers(20, 90))
+    values = random.uniform(0, 1, (2, size, size, 1))
+    unknown = np.stack(known_outside(unit(*random.normal(size=3)), random.uniform(0.2, 2.8), size))
+    unknown ^= random.uniform(size=unknown.shape) < (0.0, 0.02, 0.3)[seed % 3]
+    unknown[0, :, size // 3] ^= seed % 2 == 0
+    found = fill(values[0], values[1], ~unknown[0], ~unknown[1])
+    along = (2 * np.arange(size) + 1) / size - 1
+    inner = np.hypot(along, along[:, None])[1:-1, 1:-1] < 1 - 3 / size
+    for hole, plane in zip(unknown, np.stack(found)[..., 0], strict=True):
+        mean = (plane[2:, 1:-1] + plane[:-2, 1:-1] + plane[1:-1, 2:] + plane[1:-1, :-2]) / 4
+        here = inner & hole[1:-1, 1:-1]
+        np.testing.assert_allclose(plane[1:-1, 1:-1][here], mean[here], atol=1e-5)
