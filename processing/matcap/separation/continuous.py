@@ -18,7 +18,7 @@ from processing.matcap.separation.support import support
 F64 = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_FIRST, _PARTS = 2000, 4000
+_FIRST, _PARTS = 2000, 1000
 _ROUNDING = 1e-9
 _PATIENT_ROUNDS, _MOST_ROUNDS = 4, 100
 

@@ -85,7 +85,7 @@ def separate(
     corners = outermost(part.normals)
 
     def open_channel(channel: int) -> F64:
-        values = light[rows, columns, channel]
+        values: F64 = light[rows, columns, channel]
         held, chosen, ends = values[seen], part, corners
         holds = holding(held, ignored)
         if not holds.any():
@@ -97,7 +97,8 @@ def separate(
             opened = support(shadings_of(held, chosen, ends, tolerance), tree)
         else:
             opened = dilate(erode(held, chosen), chosen, tree)
-        return np.clip(opened, 0, values)
+        under: F64 = np.clip(opened, 0, values)
+        return under
 
     low = np.zeros_like(light)
     with ThreadPoolExecutor() as pool:
