@@ -193,6 +193,8 @@ def test_the_command_takes_them_all(tmp_path: Path) -> None:
         (["--light", "0", "0", "--light", "0.1", "0"], "give --light once"),
         (["--light", "0.9", "0.9"], "is no direction"),
         (["--specular", "0.4", "30"], "leave out what is for PTMs"),
+        (["--occlusion-of", "low"], "give --occlusion or --occlusion-map"),
+        (["--roughest", "0", "40"], "give --roughness-texture"),
         (["--low-texture", "none.png"], r"none\.png: no such file"),
     ],
 )
