@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from processing.paraboloid.lookup import look_up
+from processing.paraboloid.read import lookup
 from processing.shape import harmonics
 from processing.shape.model import SurfaceEnvironment
 
@@ -31,7 +31,7 @@ def lit_sphere(environment: SurfaceEnvironment, size: int, part: Part = "both") 
         picture[on_ball] += (harmonics.evaluate(n) @ environment.diffuse).astype(np.float32)
     if part != "diffuse":
         mirrored = 2 * n[:, 2:] * n - np.array([0.0, 0.0, 1.0])
-        picture[on_ball] += look_up(environment.front, environment.back, mirrored)
+        picture[on_ball] += lookup(environment.front, environment.back, mirrored)
     return picture, on_ball
 
 

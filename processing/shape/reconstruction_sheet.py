@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from litrig.base.contact_sheet import BACKGROUND, contact_sheet
 from litrig.base.radiometry import encode_srgb, to_u8
-from processing.paraboloid.lookup import look_up
+from processing.paraboloid.read import lookup
 from processing.shape import harmonics
 from processing.shape.lit_sphere import ball_normals, lit_sphere
 from processing.shape.model import ShadingBuffers, SurfaceEnvironment
@@ -92,7 +92,7 @@ def _seen_on_ball(known: NDArray[np.bool_]) -> NDArray[np.bool_]:
     mirrored = 2 * normals[..., 2:] * normals - np.array([0.0, 0.0, 1.0])
     length = np.linalg.norm(mirrored, axis=-1, keepdims=True)
     front, back = known.astype(np.float32)[..., None]
-    shares = look_up(front, back, mirrored / np.where(length > 0, length, 1))
+    shares = lookup(front, back, mirrored / np.where(length > 0, length, 1))
     # Corners beyond the circle count as unknown, and must not draw the seam.
     return shares[..., 0] > 0
 
