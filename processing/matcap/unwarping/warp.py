@@ -12,26 +12,8 @@ from numpy.typing import NDArray
 from litrig.base.kernels import kernel
 
 F32 = NDArray[np.float32]
-F64 = NDArray[np.float64]
 
 _MOST_SAMPLES = 64
-_NEXT, _NEAREST = 1.42, 0.499
-
-
-def map_densities(radii: F64, slope: float) -> F64:
-    """Return how much larger than on the disc things are in a map of its size, the lesser of along and across (N,).
-
-    Parameters
-    ----------
-    radii : (N,) of the disc, above 0 and below 1
-    """
-    angles = np.arcsin(radii)
-    turned = angles * (1 + slope)
-    turned = np.minimum(turned, math.pi - turned)
-    places = np.tan(turned / 2)
-    along = (1 + places**2) / 2 * (1 + slope) / np.cos(angles)
-    densities: F64 = np.minimum(along, places / radii)
-    return densities
 
 
 def unwarped(disc: F32, slope: float, size: int) -> tuple[F32, F32]:
@@ -48,8 +30,9 @@ def unwarped(disc: F32, slope: float, size: int) -> tuple[F32, F32]:
     front, back : (N, N, 3); in the blind spot 0
     """
     front, back = np.zeros((size, size, 3), np.float32), np.zeros((size, size, 3), np.float32)
-    _unwarp(disc, slope, False, front)
-    _unwarp(disc, slope, True, back)
+    if disc.any():
+        _unwarp(disc, slope, False, front)
+        _unwarp(disc, slope, True, back)
     return front, back
 
 
@@ -65,8 +48,6 @@ def _unwarp(disc: F32, slope: float, behind: bool, texels: F32) -> None:
             along = 2 / (1 + place * place) / (1 + slope) * math.cos(angle)
             covered = max(along, math.sin(angle) / place) * side / size
             samples = int(min(max(math.ceil(covered), 1.0), _MOST_SAMPLES))
-            # Where texels are small, those next to a pixel's centre show that pixel alone, so that it is read back.
-            flat = min(_NEXT * covered, _NEAREST) if covered < 1 else 0.0
             red, green, blue, count = 0.0, 0.0, 0.0, 0
             for i in range(samples):
                 for j in range(samples):
@@ -82,8 +63,7 @@ def _unwarp(disc: F32, slope: float, behind: bool, texels: F32) -> None:
                     y = min(max((1 - radius * sv / place) * side / 2 - 0.5, 0.0), side - 1.0)
                     left, top = int(x), int(y)
                     right, bottom = min(left + 1, side - 1), min(top + 1, side - 1)
-                    x = min(max((x - left - flat) / (1 - 2 * flat), 0.0), 1.0)
-                    y = min(max((y - top - flat) / (1 - 2 * flat), 0.0), 1.0)
+                    x, y = x - left, y - top
                     a, b, c, d = (1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y
                     red += a * disc[top, left, 0] + b * disc[top, right, 0]
                     red += c * disc[bottom, left, 0] + d * disc[bottom, right, 0]
