@@ -93,4 +93,5 @@ class _Spectrum:
         kernel = np.exp(-((self._frequency * smoothing) ** 2) / 2)
         changed = self._spectrum * (1j * self._frequency * kernel if derived else kernel)
         found: F64 = fft.irfft(changed, self._count, axis=1)
-        return (found + (self._rise / self._spacing if derived else self._trend))[:, self._kept]
+        found += self._rise / self._spacing if derived else self._trend
+        return found[:, self._kept]
