@@ -1,6 +1,7 @@
 """What the commands of all materials have in common."""
 
 import json
+import math
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
@@ -20,6 +21,22 @@ PATH = click.Path(path_type=Path)
 FOLDER = click.argument("folder", metavar="FOLDER", type=PATH)
 PICTURES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object, for programs.")
+
+
+class _OnlyFinite(click.ParamType[float]):
+    def convert(self, value: Any, param: click.Parameter | None, context: click.Context | None) -> float:
+        number = float(super().convert(value, param, context))
+        if not math.isfinite(number):
+            self.fail(f"{number} is not a finite number", param, context)
+        return number
+
+
+class Finite(_OnlyFinite, click.types.FloatParamType):
+    """A number, and neither NaN nor infinity."""
+
+
+class FiniteRange(_OnlyFinite, click.FloatRange):
+    """A finite number in a range; the range alone lets NaN pass."""
 
 
 def references(command: Callable[..., Any]) -> Callable[..., Any]:

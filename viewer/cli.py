@@ -162,6 +162,13 @@ def _background(_context: click.Context, _option: click.Parameter, value: str) -
     help="Other normals for that picture, signed, one a pixel, in the frame of its own.",
 )
 @click.option(
+    "--recipe",
+    metavar="X.recipe.toml",
+    type=click.Path(path_type=Path),
+    help="Steps that are done first: to that picture's shape as litrig shape recompose does them, to a decomposed "
+    "MatCap as litrig matcap edit does.",
+)
+@click.option(
     "--kd", "diffuse_factor", metavar="K", type=float, default=1.0, help="Scale that picture's diffuse shading."
 )
 @click.option(
@@ -269,6 +276,7 @@ def render(
     beside: Path | None,
     environment: Path | None,
     normal_map: Path | None,
+    recipe: Path | None,
     diffuse_factor: float,
     reflection_factor: float,
     size_px: tuple[int, int] | None,
@@ -316,8 +324,10 @@ def render(
         *(mesh, size_px, view, background, supersample),
         amc=AmcStaging(directions, turn_deg, Coordinates(coordinates), unlit, key, add),
         ptm=PtmStaging(lights, colours, softness_deg, diffuse_gain, specular, normals, window, repeat),
-        buffers=BuffersStaging(environment, normal_map, diffuse_factor, reflection_factor),
-        matcap=matcap_staging(**for_matcaps),
+        buffers=BuffersStaging(
+            environment, normal_map, diffuse_factor, reflection_factor, recipe if environment else None
+        ),
+        matcap=matcap_staging(None if environment else recipe, **for_matcaps),
         occluded=occlusion,
         tangents=tangents,
         beside=beside,
@@ -359,9 +369,9 @@ def _given_mesh_options() -> tuple[str, ...]:
 def view(file: Path, mesh: str | None, size_px: tuple[int, int] | None, snapshots: Path) -> None:
     """Show a material in a window: turn it, light it, zoom, try it on other meshes.
 
-    The object turns before a camera and under a light that stand still, for a captured table has its light in it. A
-    PTM's light follows the right mouse button, and without --mesh it is shown flat. Snapshots are the pictures that
-    litrig render makes.
+    The object turns before a camera and under a light that stand still, for a captured table has its light in it. The
+    light of a PTM, and all the light of a decomposed MatCap, follows the right mouse button. Without --mesh a PTM is
+    shown flat. Snapshots are the pictures that litrig render makes.
     """
     from viewer.window.run import view_file
 

@@ -12,12 +12,6 @@ if TYPE_CHECKING:
 
 _OPTIONS = (
     click.option(
-        "--recipe",
-        metavar="X.recipe.toml",
-        type=click.Path(path_type=Path),
-        help="Steps that are done to a decomposed MatCap first, as litrig matcap edit does them.",
-    ),
-    click.option(
         "--low-texture",
         metavar="IMAGE",
         type=click.Path(path_type=Path),

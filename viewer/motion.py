@@ -29,10 +29,12 @@ class Moment:
     ----------
     view : how the object is turned and looked at
     lights_turn_deg : lights are turned so far about the line of sight, counter-clockwise as the camera sees it
+    matcap_light : where a decomposed MatCap's light from the camera is turned, x and y; None is as it was staged
     """
 
     view: View
     lights_turn_deg: float = 0.0
+    matcap_light: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)

@@ -65,6 +65,6 @@ def refuse_matcap_staging(file: Path, staging: Staging) -> None:
     """
     if staging.matcap != MatcapStaging() and not is_decomposed(file):
         raise InputError(
-            f"{file}: is no decomposed MatCap; leave out what is for those: --recipe, --with, --material-ids, the "
-            "textures, --occlusion-map and --occlusion-of"
+            f"{file}: is no decomposed MatCap; leave out what is for those: --recipe (but for a rendered picture with "
+            "its --environment), --with, --material-ids, the textures, --occlusion-map and --occlusion-of"
         )

@@ -1,5 +1,6 @@
 """From shading buffers to the picture under other normals."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,6 +8,11 @@ import numpy as np
 from litrig.base.errors import InputError
 from litrig.base.pictures import write_picture
 from processing.shape.buffers_exr import read_buffers, read_normals
+from processing.shape.buffers_options import say
+from processing.shape.displayable import displayable
+from processing.shape.editing.edit import edit
+from processing.shape.editing.operations import Recipe
+from processing.shape.editing.recipe_toml import read_recipe
 from processing.shape.env_exr import read_environments
 from viewer.materials.shading_buffers import recomposed_picture
 from viewer.refusals import refuse_amc_staging, refuse_matcap_staging
@@ -28,18 +34,22 @@ def render_buffers(file: Path, output: Path, staging: Staging) -> tuple[int, int
     """
     told = staging.buffers
     environment = _check_staging(file, staging)
-    buffers = read_buffers(file)
-    normals = buffers.normals if told.normals is None else read_normals(told.normals, buffers)
+    buffers = read_buffers(file, tell=say)
+    normals = buffers.normals if told.normals is None else read_normals(told.normals, buffers, tell=say)
+    recipe = Recipe() if told.recipe is None else read_recipe(told.recipe)
+    edited = edit(replace(buffers, normals=normals), recipe, say)
     with Renderer() as renderer:
         picture = recomposed_picture(
             renderer,
             buffers,
             read_environments(environment),
-            normals,
+            edited.normals,
             diffuse_factor=told.diffuse_factor,
             reflection_factor=told.reflection_factor,
+            factor_maps=(edited.diffuse_factor, edited.reflection_factor),
         )
-    write_picture(output, np.asarray(staging.development.apply(picture), np.float32))
+    developed = staging.development.apply(displayable(picture, output, say))
+    write_picture(output, np.asarray(developed, np.float32))
     height, width = buffers.shape
     return width, height
 

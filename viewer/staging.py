@@ -108,12 +108,14 @@ class BuffersStaging:
     environment : file of its surfaces' environments, without which nothing can be changed
     normals : file of other normals; None keeps the picture's
     diffuse_factor, reflection_factor : k_D and k_R (the Shape paper, equation 5)
+    recipe : file of edits, carried out on these normals
     """
 
     environment: Path | None = None
     normals: Path | None = None
     diffuse_factor: float = 1.0
     reflection_factor: float = 1.0
+    recipe: Path | None = None
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Blender's MatCaps: one multi-layer OpenEXR with the picture's two halves as passes `diffuse` and `specular`.
 
-Blender's studio lights (`studiolights/matcap/*.exr`) name channels `diffuse.R` and so on; what it saves itself may put
-a layer's name before that (`View Layer.diffuse.R`), and its Composite pass beside. Both halves are linear light, row 0 on
+Its studio lights (`studiolights/matcap/*.exr`) name channels `diffuse.R` and so on; what it saves itself may put a
+layer's name before that (`View Layer.diffuse.R`), and its Composite pass beside. Both halves are linear light, row 0 on
 top, the disc inscribed; their sum is the MatCap. A file without such passes is one picture, which Blender takes for
 diffuse.
 """

@@ -83,7 +83,8 @@ def decompose(
 ) -> None:
     """Take a MatCap apart into light from all directions and what its material makes of it.
 
-    IMAGE is split as by `litrig matcap split`; LOW and HIGH are layers that were made so, or by hand. The result can be
+    IMAGE is split as by `litrig matcap split`; LOW and HIGH are layers that were made so, or by hand. A MatCap of
+    Blender's, an EXR with passes diffuse and specular, has both in one. The result can be
     lit from elsewhere, and made of another material.
     """
     from litrig.base.table_normals import TableNormal
@@ -132,11 +133,18 @@ def _layers(
     import hashlib
 
     from litrig.base.errors import InputError
+    from processing.matcap.blender_exr import is_blender_matcap, read_blender_matcap
+    from processing.matcap.disc import check_disc
     from processing.matcap.disc_file import read_disc
     from processing.matcap.separation.blend import blended
     from processing.matcap.separation.known import known_pixels
 
-    if len(images) == 1:
+    if len(images) == 1 and is_blender_matcap(images[0]):
+        low, high = read_blender_matcap(images[0])
+        for layer in (low, high):
+            check_disc(layer, str(images[0]))
+        known = known_pixels(low + high, None)
+    elif len(images) == 1:
         separation = separated(images[0])
         low, high = separation.low.astype("float32"), separation.high.astype("float32")
         known = separation.known

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from processing.matcap.disc import disc_normals
 from processing.matcap.lights.bake import baked, baked_matcap
 from processing.matcap.model import Component, DecomposedMatcap, Turn
 from processing.paraboloid.read import lookup
@@ -37,14 +38,6 @@ def half_pictures(matcap: DecomposedMatcap, size: int | None = None) -> tuple[F3
     for picture, component in zip(pictures, (matcap.low, matcap.high), strict=True):
         picture[valid] = component_light(component, normals[valid])
     return pictures[0], pictures[1]
-
-
-def disc_normals(size: int) -> tuple[F64, NDArray[np.bool_]]:
-    """Return the normals (S, S, 3) of a ball's pixels, and which of these are on it."""
-    along = (2 * np.arange(size) + 1) / size - 1
-    x, y = np.meshgrid(along, -along)
-    squared = x * x + y * y
-    return np.stack([x, y, np.sqrt(np.maximum(1 - squared, 0))], axis=-1), squared < 1
 
 
 def shaded(matcap: DecomposedMatcap, normals: F64) -> F64:

@@ -7,12 +7,14 @@ shrink as what they hold grows smoother, so that a large blur costs no more than
 from concurrent.futures import ThreadPoolExecutor
 from functools import lru_cache
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import make_interp_spline
 
 from litrig.base.errors import InputError
 from litrig.base.kernels import kernel
-from processing.paraboloid.charts import joined, plane, splined, widened
+from processing.paraboloid.charts import joined, plane, widened
 from processing.paraboloid.maps import texel_directions
 
 F32 = NDArray[np.float32]
@@ -28,7 +30,13 @@ _BEYOND_TEXELS = 10
 _ALL_AT_ONCE = 32
 _SMALLEST_GATHERED = 16
 """Maps of fewer texels a side than the second are summed whole, of at most the first if the blur covers texels."""
+_LEAST_TEXELS = 0.05
+"""A blur by less is none."""
 _WHOLE = 1.25
+_COARSE = 250.0
+"""Maps are halved as they are where the variance of the blur is so many times that of their largest texel's square."""
+_MEAN_OF_FOUR = 0.15
+"""What that blurs by, in the same measure, on the whole of the sphere: ¼ in a map's middle, 1/16 at the seam."""
 _ENTRIES = 2048
 
 
@@ -60,15 +68,20 @@ def blurred_small(front: F32, back: F32, variance: float) -> tuple[F32, F32]:
         raise InputError(f"blur: a variance of {variance:g} is none; give 0 or more, in radians squared")
     front, back = (np.ascontiguousarray(side, np.float32) for side in (front, back))
     left = variance
+    while front.shape[0] % 2 == 0 and left >= _COARSE * largest_texel(front.shape[0]) ** 2:
+        left -= _MEAN_OF_FOUR * largest_texel(front.shape[0]) ** 2
+        front, back = _halved(front), _halved(back)
     while front.shape[0] > _ALL_AT_ONCE and left >= (step := (_STEP_TEXELS * largest_texel(front.shape[0])) ** 2):
         # What would be left over may not be too little for the texels that come.
         step = left if left < _WHOLE * step else step
         front, back = _gathered(front, back, step, front.shape[0] // 2)
         left -= step
     now = front.shape[0]
+    if left < (_LEAST_TEXELS * largest_texel(now)) ** 2:
+        return front, back
     if left > 0 and (now < _SMALLEST_GATHERED or (now <= _ALL_AT_ONCE and left >= largest_texel(now) ** 2)):
         return _summed(front, back, left)
-    return _gathered(front, back, left, now) if left > 0 else (front, back)
+    return _gathered(front, back, left, now)
 
 
 def largest_texel(size: int) -> float:
@@ -80,6 +93,8 @@ def resized(front: F32, back: F32, size: int) -> tuple[F32, F32]:
     """Read maps at another number of texels, by cubic splines; smaller ones are averaged first."""
     if size == front.shape[0]:
         return front, back
+    while front.shape[0] % 2 == 0 and front.shape[0] // 2 >= 2 * size:
+        front, back = _halved(front), _halved(back)
     if size < front.shape[0]:
         # As wide as the new texels are, in the old ones' measure.
         variance = largest_texel(size) ** 2 / 12 * (1 - (size / front.shape[0]) ** 2)
@@ -87,18 +102,19 @@ def resized(front: F32, back: F32, size: int) -> tuple[F32, F32]:
     return _resampled(front, back, size), _resampled(back, front, size)
 
 
+def _halved(side: F32) -> F32:
+    return np.asarray(cv2.resize(side, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA), np.float32)
+
+
 def _resampled(this: F32, other: F32, size: int) -> F32:
     """Read one map at the texel centres of another size; beyond the unit circle, the other map."""
     pad = 4
-    u, v = plane(size)
-    q = u * u + v * v
-    result = np.zeros((size, size, this.shape[2]), np.float32)
-    for beyond, first, second in ((False, this, other), (True, other, this)):
-        where = (q > 1) == beyond
-        over = q[where] if beyond else 1.0
-        columns, rows = ((1 + axis / over) * this.shape[0] / 2 - 0.5 + pad for axis in (u[where], -v[where]))
-        result[where] = splined(widened(first, second, pad), columns, rows)
-    return result
+    texels = widened(this, other, pad)
+    given = (2 * np.arange(-pad, this.shape[0] + pad) + 1) / this.shape[0]
+    wanted = (2 * np.arange(size) + 1) / size
+    for axis in (0, 1):
+        texels = make_interp_spline(given, texels, k=3, axis=axis)(wanted).astype(np.float32)
+    return texels
 
 
 def _gathered(front: F32, back: F32, variance: float, size: int) -> tuple[F32, F32]:

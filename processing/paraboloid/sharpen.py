@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
-from processing.paraboloid.blur import blurred
+from processing.paraboloid.blur import blurred, resized
 
 F32 = NDArray[np.float32]
 Pair = tuple[F32, F32]
 
 ROUNDS = 10
+_TEXELS = 4.0
+"""A standard deviation of the blur that is taken back has at least so many texels, where a map has that many."""
 _NOISE_TEXELS = 1.0
 _CERTAIN = 6.0
 """Light is believed to vary where its variance is more than so many times its noise's."""
@@ -44,15 +46,24 @@ def sharpened(front: F32, back: F32, variance: float, rounds: int = ROUNDS) -> P
     if not 0 < variance < np.inf:
         raise InputError(f"sharpen: a variance of {variance:g} is none; give 0 or more, in radians squared")
     given = np.stack([front, back]).astype(np.float32)
+    # What was blurred so much needs no more texels than this.
+    size = front.shape[0]
+    while size % 2 == 0 and size // 2 >= _TEXELS * 4 / np.sqrt(variance):
+        size //= 2
+    change = _change(np.stack(resized(given[0], given[1], size)), variance, rounds)
+    result = np.maximum(given + np.stack(resized(change[0], change[1], front.shape[0])), np.minimum(given, 0))
+    return result[0], result[1]
+
+
+def _change(given: F32, variance: float, rounds: int) -> F32:
+    """Return what is to be added to light (2, S, S, 3)."""
     light = np.maximum(given, 0)
     least = max(float(light.max()), 1e-20) * 1e-6
     estimate = np.asarray(light + least, np.float32)
     for _ in range(rounds):
         ratio = np.asarray((light + least) / np.maximum(_blur(estimate, variance), least), np.float32)
         estimate *= np.maximum(_blur(ratio, variance), 0)
-    trust = _certainty(light, variance)
-    result = given + trust * (np.maximum(estimate - least, 0) - given)
-    return result[0], result[1]
+    return np.asarray(_certainty(light, variance) * (np.maximum(estimate - least, 0) - given), np.float32)
 
 
 def _certainty(light: F32, variance: float) -> F32:

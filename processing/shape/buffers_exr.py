@@ -1,98 +1,165 @@
-"""Shading buffers as renderers write them: one OpenEXR with a layer for each.
+"""Shading buffers as renderers write them: one OpenEXR with a layer for each, in one part or in many.
 
-Read by these names: the picture `R G B A`, `diffuse.R/G/B`, `reflection.R/G/B`, `normal.X/Y/Z`, `position.X/Y/Z`,
-`surface_id.I`, and `ambient_occlusion.Y`, `reflection_occlusion.Y`, which may be missing where nothing is occluded.
-Normals and positions are in the view frame, or in the world's where the header has `worldToCamera`.
+litrig's own names are the picture `R G B A`, `diffuse.R/G/B`, `reflection.R/G/B`, `normal.X/Y/Z`, `position.X/Y/Z` or
+`depth.Z`, `surface_id.I`, `ambient_occlusion.Y`, `reflection_occlusion.Y`, `albedo.R/G/B` and
+`reflection_albedo.R/G/B`; other renderers' are in `buffers.names`. Picture, diffuse shading and normals must be there;
+what else is missing is said, and done without.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import OpenEXR
 from numpy.typing import NDArray
 
 from litrig.base.errors import FormatError, InputError
-from litrig.base.quiet import quiet_library
-from processing.exr_parts import check_budget, listed, require
+from processing.exr_parts import listed, require
+from processing.shape.buffers.alpha import straightened
+from processing.shape.buffers.camera import CameraSaid, world_to_camera
+from processing.shape.buffers.channels import read_channels
+from processing.shape.buffers.layers import Found, Layers, find_buffers
+from processing.shape.buffers.names import BUFFERS, Recipe, parse_recipe
+from processing.shape.buffers.pixels import Pixels, decoded_normals, share, surface_numbers
+from processing.shape.buffers.view import view_of
 from processing.shape.model import BACKGROUND, ShadingBuffers
 
 F32 = NDArray[np.float32]
-Channels = Mapping[str, NDArray[Any]]
-
-LARGEST_PIXELS = 100_000_000
-_LARGEST_BYTES = 16 << 30
-_MEND = "render it again"
-_LAYERS = {
+Tell = Callable[[str], None]
+_NEEDED = {
     "picture": ("R", "G", "B"),
-    **{name: tuple(f"{name}.{part}" for part in "RGB") for name in ("diffuse", "reflection")},
-    **{name: tuple(f"{name}.{part}" for part in "XYZ") for name in ("normal", "position")},
+    "diffuse": ("diffuse.R", "diffuse.G", "diffuse.B"),
+    "normal": ("normal.X", "normal.Y", "normal.Z"),
 }
-_SURFACE = "surface_id.I"
-_OCCLUSIONS = ("ambient_occlusion.Y", "reflection_occlusion.Y")
-_NORMAL_NAMES = (_LAYERS["normal"], ("X", "Y", "Z"), ("R", "G", "B"))
+_NORMAL_RECIPES = tuple(Recipe((name,)) for name in ("normal", "N", "Normal"))
 
 
-def read_buffers(path: Path) -> ShadingBuffers:
-    """Read shading buffers.
+@dataclass(frozen=True)
+class ReadOptions:
+    """What the user says of a file.
+
+    Attributes
+    ----------
+    layers : by buffer, the layers it is made of
+    camera : how it was seen
+    """
+
+    layers: Mapping[str, Recipe] = field(default_factory=dict)
+    camera: CameraSaid = field(default_factory=CameraSaid)
+
+
+def parse_layers(words: tuple[str, ...]) -> dict[str, Recipe]:
+    """Read `reflection=spec_all`, `diffuse=light_direct + light_indirect * albedo` and the like.
 
     Raises
     ------
     InputError
-        The file cannot be read.
-    FormatError
-        It is no EXR, lacks a buffer, or holds what is no number where a surface is seen.
+        There is no such buffer, or nothing that could name a layer.
     """
-    channels, world_to_camera = _read(path)
-    wanted = [name for names in _LAYERS.values() for name in names] + [_SURFACE]
-    missing = [name for name in wanted if name not in channels]
-    require(path, not missing, f"lacks {listed(missing)}; render the picture with these buffers")
-    surfaces = _surfaces(path, channels[_SURFACE])
-    shown = surfaces != BACKGROUND
-    planes = {name: _stacked(channels, names) for name, names in _LAYERS.items()}
-    require(
-        path, bool(np.all(np.isfinite(planes["picture"]))), f"holds pixels that are no numbers; {_MEND} without them"
+    said = {}
+    for word in words:
+        buffer, _, layers = word.partition("=")
+        try:
+            said[buffer.strip()] = parse_recipe(layers)
+        except ValueError as error:
+            raise InputError(f"--layer {word}: {error}; write BUFFER=LAYER") from error
+        if buffer.strip() not in BUFFERS:
+            raise InputError(f"--layer {word}: no buffer is called {buffer.strip()}; there are {', '.join(BUFFERS)}")
+    return said
+
+
+def read_buffers(path: Path, options: ReadOptions | None = None, tell: Tell | None = None) -> ShadingBuffers:
+    """Read shading buffers.
+
+    Parameters
+    ----------
+    options : which layers to take, and what is known of the camera
+    tell : called with each remark: what is missing and how it is done without, and what pixels are left as they are
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or a layer that was named is not there.
+    FormatError
+        It is no EXR, lacks a buffer that nothing can stand in for, or most of its surfaces' pixels cannot be used.
+    """
+    options, tell = options or ReadOptions(), tell or (lambda _: None)
+    stored = read_channels(path)
+    layers = Layers(stored.planes)
+    found = find_buffers(layers, options.layers)
+    _check_found(path, found, options.layers, layers)
+    if stored.cropped:
+        tell("the file holds another part than the whole picture; what it lacks is taken as background")
+    made = {name: layers.make(one.recipe, name) for name, one in found.items() if name not in _UNREAD}
+    surfaces, coverage = _surfaces(path, layers, found, made, tell)
+    pixels = Pixels(path, surfaces, tell)
+    pixels.check_seen()
+    pixels.check_numbers("picture", made["picture"], "holds pixels that are no numbers")
+    for name in ("diffuse", "reflection", "normal", "albedo", "reflection_albedo"):
+        if name in made:
+            pixels.check_numbers(name, made[name], f"layer {name} holds no numbers")
+    made = straightened(made, coverage, pixels.shown, tell)
+    normals = decoded_normals(made["normal"], pixels.shown, tell)
+    seen = view_of(path, stored, found, made, options.camera, pixels, tell)
+    turn = seen.turn.astype(np.float32)
+    normals = pixels.unit_normals(np.where(pixels.shown[..., None], normals, 0) @ turn)
+    missing = [name for name in ("reflection", "ambient_occlusion", "reflection_occlusion") if name not in made]
+    _tell_missing(missing, tell)
+    ones = np.ones(surfaces.shape, np.float32)
+    zeros = np.zeros((*surfaces.shape, 3), np.float32)
+    ambient, reflected = (
+        share(path, name, made[name], pixels.shown, tell) if name in made else ones
+        for name in ("ambient_occlusion", "reflection_occlusion")
     )
-    for name in ("diffuse", "reflection", "normal", "position"):
-        lost = int(np.count_nonzero(~np.isfinite(planes[name][shown]).all(axis=-1)))
-        require(path, not lost, f"layer {name} holds no numbers in {lost} pixels of surfaces; {_MEND} without them")
-        planes[name] = np.where(shown[..., None], planes[name], 0).astype(np.float32)
-    if world_to_camera is not None:
-        planes["normal"] = (planes["normal"] @ world_to_camera[:3, :3]).astype(np.float32)
-        moved = planes["position"] @ world_to_camera[:3, :3] + world_to_camera[3, :3]
-        planes["position"] = np.where(shown[..., None], moved, 0).astype(np.float32)
-    at_eye = int(np.count_nonzero(np.linalg.norm(planes["position"][shown], axis=-1) == 0))
-    require(path, not at_eye, f"layer position has {at_eye} pixels in the camera itself; {_MEND}")
-    ambient, reflected = (_share(path, channels, name, np.ones(shown.shape, np.float32)) for name in _OCCLUSIONS)
-    return ShadingBuffers(
-        picture=planes["picture"],
-        coverage=_share(path, channels, "A", shown.astype(np.float32)),
-        diffuse=planes["diffuse"],
-        reflection=planes["reflection"],
-        normals=_unit(path, planes["normal"], shown),
-        positions=planes["position"],
+    read = ShadingBuffers(
+        picture=made["picture"],
+        coverage=share(path, "coverage", coverage, pixels.shown, tell),
+        diffuse=pixels.only_shown(made["diffuse"]),
+        reflection=pixels.only_shown(made.get("reflection", zeros)),
+        normals=normals,
+        positions=pixels.only_shown(seen.positions),
         surfaces=surfaces,
         ambient_occlusion=ambient,
         reflection_occlusion=reflected,
+        albedo=pixels.only_shown(made["albedo"]) if "albedo" in made else None,
+        reflection_albedo=pixels.only_shown(made["reflection_albedo"]) if "reflection_albedo" in made else None,
+        orthographic=seen.orthographic,
     )
+    pixels.check_facing(read.normals, read.to_eye)
+    left = pixels.shown != (surfaces != BACKGROUND)
+    surfaces[left] = BACKGROUND
+    for name in ("diffuse", "reflection"):
+        dark = int(np.count_nonzero((getattr(read, name)[pixels.shown] < 0).any(axis=-1)))
+        if dark:
+            tell(f"layer {name} is negative in {dark} pixels; editing makes them no darker")
+    return read
 
 
-def read_normals(path: Path, buffers: ShadingBuffers) -> F32:
+def read_normals(
+    path: Path, buffers: ShadingBuffers, options: ReadOptions | None = None, tell: Tell | None = None
+) -> F32:
     """Read other normals for the surfaces of a picture, (H, W, 3): `normal.X/Y/Z`, `X Y Z` or `R G B`, signed.
 
-    They are in the same frame as the picture's: the world's if the header has `worldToCamera`.
+    They are in the same frame as the picture's: the world's if the header has `worldToCamera`. Where the picture's own
+    normals cannot be used, neither are these.
 
     Raises
     ------
     InputError, FormatError
         The file cannot be read, is damaged or of another size, or holds no directions where a surface is seen.
     """
-    channels, world_to_camera = _read(path)
-    names = next((names for names in _NORMAL_NAMES if all(name in channels for name in names)), None)
-    if names is None:
-        raise FormatError(f"{path}: holds no normals (found {listed(sorted(channels))}); name them normal.X/Y/Z")
-    normals = _stacked(channels, names)
+    options = options or ReadOptions()
+    stored = read_channels(path)
+    layers = Layers(stored.planes)
+    fits = (layers.resolve(recipe, "normal") for recipe in _NORMAL_RECIPES)
+    recipe = next((recipe for recipe in fits if recipe is not None), None)
+    bare = next((names for names in ("XYZ", "RGB") if all(name in stored.planes for name in names)), None)
+    if recipe is None and bare is None:
+        raise FormatError(f"{path}: holds no normals (found {listed(sorted(stored.planes))}); name them normal.X/Y/Z")
+    if recipe is not None:
+        normals = layers.make(recipe, "normal")
+    else:
+        normals = np.stack([stored.planes[name].astype(np.float32) for name in bare or ""], axis=-1)
     height, width = buffers.shape
     if normals.shape[:2] != (height, width):
         raise InputError(
@@ -102,80 +169,57 @@ def read_normals(path: Path, buffers: ShadingBuffers) -> F32:
     shown = buffers.surfaces != BACKGROUND
     lost = int(np.count_nonzero(~np.isfinite(normals[shown]).all(axis=-1)))
     require(path, not lost, f"holds no numbers in {lost} pixels of surfaces; mend it")
+    normals = decoded_normals(normals, shown, tell or (lambda _: None))
     normals = np.where(shown[..., None], normals, 0).astype(np.float32)
-    if world_to_camera is not None:
-        normals = (normals @ world_to_camera[:3, :3]).astype(np.float32)
-    return _unit(path, normals, shown)
-
-
-def _read(path: Path) -> tuple[Channels, NDArray[np.float64] | None]:
-    """Read all channels of the one part, after its head was found to be true to its size."""
-    try:
-        with path.open("rb"):
-            pass
-        with quiet_library(), OpenEXR.File(str(path), separate_channels=True, header_only=True) as exr:
-            parts, header = len(exr.parts), exr.parts[0].header
-            (left, top), (right, bottom) = (corner.tolist() for corner in header["dataWindow"])
-            display = [corner.tolist() for corner in header["displayWindow"]]
-            count = len(header["channels"])
-            camera = header.get("worldToCamera")
-        require(path, parts == 1, f"has {parts} parts; write the layers into one")
-        require(
-            path,
-            [[left, top], [right, bottom]] == display,
-            "is a cropped picture; render the whole, data window and display window alike",
-        )
-        width, height = right - left + 1, bottom - top + 1
-        require(path, width * height <= LARGEST_PIXELS, f"claims {width} × {height} pixels; refused")
-        check_budget(path, 4 * count * width * height, _LARGEST_BYTES)
-        with quiet_library(), OpenEXR.File(str(path), separate_channels=True) as exr:
-            channels = {name: np.asarray(channel.pixels) for name, channel in exr.channels().items()}
-    except FileNotFoundError as error:
-        raise InputError(f"{path}: no such file; check the path") from error
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check the path") from error
-    except (RuntimeError, ValueError, LookupError, TypeError) as error:
-        raise FormatError(f"{path}: no EXR, or a damaged one ({error}); {_MEND}") from error
-    broken = [name for name, values in channels.items() if values.shape != (height, width)]
-    require(path, bool(channels) and not broken, f"damaged EXR ({listed(broken) or 'no channel'}); copy it again")
-    return channels, None if camera is None else _matrix(path, camera)
-
-
-def _matrix(path: Path, stored: Any) -> NDArray[np.float64]:
-    matrix = np.asarray(stored, np.float64)
-    good = matrix.shape == (4, 4) and bool(np.all(np.isfinite(matrix)))
-    turn = matrix[:3, :3] if good else np.zeros((3, 3))
-    require(
-        path,
-        bool(np.allclose(turn @ turn.T, np.eye(3), atol=1e-3)),
-        "worldToCamera is no rotation and translation; write it without scale",
-    )
-    return matrix
-
-
-def _stacked(channels: Channels, names: tuple[str, ...]) -> F32:
-    return np.stack([channels[name].astype(np.float32) for name in names], axis=-1)
-
-
-def _surfaces(path: Path, stored: NDArray[Any]) -> NDArray[np.uint32]:
-    whole = np.issubdtype(stored.dtype, np.unsignedinteger) or bool(
-        np.all(np.isfinite(stored) & (stored >= 0) & (stored == np.rint(stored)) & (stored < 2.0**24))
-    )
-    require(path, whole, f"{_SURFACE} holds what are no numbers of surfaces; write them as unsigned integers")
-    return stored.astype(np.uint32)
-
-
-def _share(path: Path, channels: Channels, name: str, missing: F32) -> F32:
-    if name not in channels:
-        return missing
-    values = channels[name].astype(np.float32)
-    require(path, bool(np.all((values >= 0) & (values <= 1))), f"{name} leaves 0 to 1; {_MEND}")
-    return values
-
-
-def _unit(path: Path, normals: F32, shown: NDArray[np.bool_]) -> F32:
+    matrix = world_to_camera(path, stored.header, options.camera)
+    if matrix is not None:
+        normals = (normals @ matrix[:3, :3]).astype(np.float32)
     length = np.linalg.norm(normals, axis=-1, keepdims=True)
-    lost = int(np.count_nonzero(length[shown] < 1e-3))
-    require(path, not lost, f"normals of {lost} pixels of surfaces have no direction; mend them")
+    flat = int(np.count_nonzero(length[shown] < 1e-3))
+    require(path, not flat, f"normals of {flat} pixels of surfaces have no direction; mend them")
     unit: F32 = (normals / np.where(length < 1e-3, 1, length)).astype(np.float32)
     return unit
+
+
+_UNREAD = frozenset({"surface_id", "emission", "transparency"})
+
+
+def _check_found(path: Path, found: Mapping[str, Found], said: Mapping[str, Recipe], layers: Layers) -> None:
+    for name in said:
+        if name not in found:
+            raise InputError(
+                f"{path}: has no layers {said[name]} that could be its {name}; it has "
+                f"{listed([layer or 'R G B' for layer in layers.names])}"
+            )
+    missing = [channel for name, channels in _NEEDED.items() if name not in found for channel in channels]
+    require(path, not missing, f"lacks {listed(missing)}; render the picture with these buffers, or name them: --layer")
+
+
+def _surfaces(
+    path: Path, layers: Layers, found: Mapping[str, Found], made: Mapping[str, F32], tell: Tell
+) -> tuple[NDArray[np.uint32], F32]:
+    """Return the numbers of surfaces, and coverage; one stands in for the other."""
+    if "surface_id" in found:
+        layer = found["surface_id"].recipe.terms[0]
+        names = layers.channel_names(layer, "surface_id")
+        surfaces = surface_numbers(path, names, layers.channels(layer, "surface_id"), tell)
+        if "coverage" in made:
+            return surfaces, made["coverage"]
+        tell("no alpha: what has a surface covers its pixels")
+        return surfaces, (surfaces != BACKGROUND).astype(np.float32)
+    tell("no numbers of surfaces: all that is covered is taken as surface 1")
+    if "coverage" in made:
+        return (made["coverage"] > 0).astype(np.uint32), made["coverage"]
+    tell("no alpha: what has a normal covers its pixels")
+    covered = np.linalg.norm(np.nan_to_num(made["normal"]), axis=-1) > 1e-3
+    return covered.astype(np.uint32), covered.astype(np.float32)
+
+
+def _tell_missing(missing: list[str], tell: Tell) -> None:
+    without = {
+        "reflection": "no reflection: the diffuse shading alone is edited",
+        "ambient_occlusion": "no ambient occlusion: diffuse shading is taken as open everywhere",
+        "reflection_occlusion": "no reflection occlusion: reflections are taken as open everywhere",
+    }
+    for name in missing:
+        tell(without[name])

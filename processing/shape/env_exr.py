@@ -1,32 +1,54 @@
 """`.env.exr` files: reconstructed environments as multi-part OpenEXR that any program can look into.
 
 Parts `surface.N.front` and `surface.N.back` for each surface N (R, G, B; linear light), all of one square size; every
-part says `litrig.kind` and, as JSON, `litrig.env`, which has the coefficients of the diffuse shading.
+part says `litrig.kind` and, as JSON, `litrig.env`, which has the coefficients of the diffuse shading, and names the
+surfaces whose diffuse or reflected light is that before their albedo. Extended surfaces have parts
+`surface.N.region.K.front` and `.back` besides, and where they are in the JSON.
 """
 
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, Self
 
 import numpy as np
 import OpenEXR
-from pydantic import BaseModel, Field, ValidationError
+from numpy.typing import NDArray
+from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from litrig.base.errors import FormatError, InputError
 from litrig.base.version import litrig_version
 from processing.exr_parts import check_budget, check_part, listed, read_heads, read_parts, require, write_parts
 from processing.shape.harmonics import TERMS
-from processing.shape.model import Environments, SurfaceEnvironment
+from processing.shape.model import Environments, Region, SurfaceEnvironment
 
+F32 = NDArray[np.float32]
 KIND = "environments"
 KEY = "litrig.env"
 ENDING = ".env.exr"
 LARGEST_SIDE = 8192
 MOST_SURFACES = 256
+MOST_REGIONS = 64
 _LARGEST_BYTES = 8 << 30
 _MEND = "copy it, or reconstruct the environments again"
 _Number = Annotated[float, Field(allow_inf_nan=False)]
 _Coefficients = Annotated[tuple[tuple[_Number, _Number, _Number], ...], Field(min_length=TERMS, max_length=TERMS)]
 _Surface = Annotated[int, Field(ge=1, lt=1 << 32)]
+_FLAGS = ("diffuse_is_illumination", "reflection_is_illumination")
+
+
+class _Regions(BaseModel, frozen=True, extra="forbid"):
+    """The parts of an extended surface."""
+
+    falloff: Annotated[float, Field(gt=0, allow_inf_nan=False)]
+    centres: Annotated[tuple[tuple[_Number, _Number, _Number], ...], Field(min_length=1, max_length=MOST_REGIONS)]
+    diffuse: Annotated[tuple[_Coefficients, ...], Field(min_length=1, max_length=MOST_REGIONS)]
+
+    @model_validator(mode="after")
+    def _all_have_both(self) -> Self:
+        if len(self.centres) != len(self.diffuse):
+            raise ValueError(f"{len(self.centres)} centres for {len(self.diffuse)} regions")
+        return self
 
 
 class _Meaning(BaseModel, frozen=True, extra="forbid"):
@@ -34,9 +56,25 @@ class _Meaning(BaseModel, frozen=True, extra="forbid"):
 
     diffuse: Annotated[dict[_Surface, _Coefficients], Field(min_length=1, max_length=MOST_SURFACES)]
     """Nine coefficients, red, green and blue each, by the number of the surface."""
+    diffuse_is_illumination: tuple[_Surface, ...] = ()
+    """Surfaces whose diffuse light is yet to be multiplied by their albedo."""
+    reflection_is_illumination: tuple[_Surface, ...] = ()
+    """Surfaces whose reflected light is yet to be multiplied by their albedo."""
+    regions: dict[_Surface, _Regions] = {}
+    """Of extended surfaces."""
     source: str = ""
     """Digest of the shading buffers."""
     litrig: str
+
+    @model_validator(mode="after")
+    def _names_surfaces_that_are_here(self) -> Self:
+        for number in (*self.diffuse_is_illumination, *self.reflection_is_illumination):
+            if number not in self.diffuse:
+                raise ValueError(f"illumination of surface {number}, which has no coefficients")
+        for number in self.regions:
+            if number not in self.diffuse:
+                raise ValueError(f"regions of surface {number}, which has no coefficients")
+        return self
 
 
 def write_environments(path: Path, environments: Environments, source: str = "") -> None:
@@ -64,6 +102,11 @@ def write_environments(path: Path, environments: Environments, source: str = "")
         meaning = _Meaning.model_validate(
             {
                 "diffuse": {number: one.diffuse.tolist() for number, one in sorted(environments.items())},
+                **{
+                    flag: tuple(number for number, one in sorted(environments.items()) if getattr(one, flag))
+                    for flag in _FLAGS
+                },
+                "regions": {number: _told(one) for number, one in sorted(environments.items()) if one.regions},
                 "source": source,
                 "litrig": litrig_version(),
             }
@@ -103,7 +146,8 @@ def read_environments(path: Path) -> Environments:
         meaning = _Meaning.model_validate_json(heads[0].meaning)
     except ValidationError as error:
         raise FormatError(f"{path}: {KEY} {_first(error)}; {_MEND}") from error
-    names = [f"surface.{number}.{side}" for number in sorted(meaning.diffuse) for side in ("front", "back")]
+    stems = [stem for number in sorted(meaning.diffuse) for stem in _stems(number, meaning)]
+    names = [f"{stem}.{side}" for stem in stems for side in ("front", "back")]
     found = [head.name for head in heads]
     require(path, found == names, f"has parts {listed(found)}, not {listed(names)}; {_MEND}")
     size, rows = heads[0].data
@@ -116,18 +160,43 @@ def read_environments(path: Path) -> Environments:
         check_part(path, head, ["B", "G", "R"], (size, size), (size, size), _MEND)
     check_budget(path, len(heads) * 3 * 4 * size * size, _LARGEST_BYTES)
     parts = read_parts(path, dict.fromkeys(names, (size, size, 3)), _MEND)
-    return {
-        number: SurfaceEnvironment(
-            np.array(coefficients, np.float32),
-            parts[f"surface.{number}.front"]["RGB"],
-            parts[f"surface.{number}.back"]["RGB"],
+    return {number: _surface(number, meaning, parts) for number in sorted(meaning.diffuse)}
+
+
+def _surface(number: int, meaning: _Meaning, parts: Mapping[str, Mapping[str, F32]]) -> SurfaceEnvironment:
+    flags: dict[str, Any] = {flag: number in getattr(meaning, flag) for flag in _FLAGS}
+    said = meaning.regions.get(number)
+    coefficients = [meaning.diffuse[number], *(said.diffuse if said else ())]
+    whole, *others = [
+        SurfaceEnvironment(
+            np.array(one, np.float32), parts[f"{stem}.front"]["RGB"], parts[f"{stem}.back"]["RGB"], **flags
         )
-        for number, coefficients in sorted(meaning.diffuse.items())
+        for one, stem in zip(coefficients, _stems(number, meaning), strict=True)
+    ]
+    if said is None:
+        return whole
+    regions = [Region(np.array(at, np.float32), one) for at, one in zip(said.centres, others, strict=True)]
+    return replace(whole, regions=tuple(regions), falloff=said.falloff)
+
+
+def _stems(number: int, meaning: _Meaning) -> list[str]:
+    """Name the environments of a surface, as parts are named: the whole one, and those of regions."""
+    count = len(meaning.regions[number].centres) if number in meaning.regions else 0
+    return [f"surface.{number}", *(f"surface.{number}.region.{index}" for index in range(1, count + 1))]
+
+
+def _sides(number: int, one: SurfaceEnvironment) -> list[tuple[str, F32]]:
+    named = [(f"surface.{number}", one)]
+    named += [(f"surface.{number}.region.{index}", at.environment) for index, at in enumerate(one.regions, 1)]
+    return [(f"{stem}.{side}", getattr(part, side)) for stem, part in named for side in ("front", "back")]
+
+
+def _told(one: SurfaceEnvironment) -> dict[str, Any]:
+    return {
+        "falloff": one.falloff,
+        "centres": [region.centre.tolist() for region in one.regions],
+        "diffuse": [region.environment.diffuse.tolist() for region in one.regions],
     }
-
-
-def _sides(number: int, one: SurfaceEnvironment) -> list[tuple[str, np.ndarray]]:
-    return [(f"surface.{number}.front", one.front), (f"surface.{number}.back", one.back)]
 
 
 def _first(error: ValidationError) -> str:

@@ -10,7 +10,7 @@ import tifffile
 from numpy.typing import NDArray
 
 from litrig.base.errors import FormatError, InputError, LitrigError
-from litrig.base.pictures import read_codes, read_encoded, read_linear, write_codes, write_picture
+from litrig.base.pictures import read_codes, read_coverage, read_encoded, read_linear, write_codes, write_picture
 from litrig.base.radiometry import decode_srgb, encode_srgb
 
 
@@ -195,3 +195,28 @@ def test_each_writer_names_the_endings_that_it_writes(tmp_path: Path) -> None:
         write_codes(tmp_path / "a.exr", np.zeros((2, 2, 3), np.uint8))
     with pytest.raises(InputError, match=r"cannot write \.xyz; use \.png, \.jpg, \.tif or \.exr$"):
         write_picture(tmp_path / "a.xyz", np.zeros((2, 2, 3)))
+
+
+@pytest.mark.parametrize("ending", [".png", ".tif"])
+@pytest.mark.parametrize("bits", [8, 16])
+def test_alpha_is_read_as_a_share(tmp_path: Path, ending: str, bits: int) -> None:
+    largest = 2**bits - 1
+    codes = np.full((2, 3, 4), largest, np.uint8 if bits == 8 else np.uint16)
+    codes[0, :, 3] = (0, largest // 3, largest)
+    cv2.imwrite(str(tmp_path / f"x{ending}"), codes)
+    found = read_coverage(tmp_path / f"x{ending}")
+    assert found is not None
+    np.testing.assert_allclose(found, np.array([[0, 1 / 3, 1], [1, 1, 1]]), atol=1e-6)
+
+
+def test_pictures_without_alpha_have_no_coverage(tmp_path: Path) -> None:
+    for name in ("x.png", "x.jpg", "x.exr"):
+        write_picture(tmp_path / name, np.full((4, 4, 3), 0.5, np.float32))
+        assert read_coverage(tmp_path / name) is None
+
+
+def test_the_alpha_of_a_damaged_picture_is_refused(tmp_path: Path) -> None:
+    for name in ("x.png", "x.exr"):
+        (tmp_path / name).write_bytes(b"no picture")
+        with pytest.raises(FormatError, match=name):
+            read_coverage(tmp_path / name)

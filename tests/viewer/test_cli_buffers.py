@@ -9,7 +9,11 @@ from litrig.base.errors import InputError, LitrigError
 from litrig.base.pictures import read_linear
 from litrig.base.radiometry import encode_srgb, to_u8
 from processing.reference.recompose import recompose
+from processing.shape.editing.edit import edit
+from processing.shape.editing.operations import Emboss, Factors, Recipe, Ripple
+from processing.shape.editing.recipe_toml import write_recipe
 from processing.shape.env_exr import write_environments
+from processing.shape.recompose import recompose as recompose_quickly
 from tests.processing.shape.scene import buffers, bumped, environments
 from tests.processing.shape.stored import layers, write
 from tests.viewer.test_cli import codes, run
@@ -49,6 +53,35 @@ def test_what_is_untouched_keeps_its_bits(files: Path, tmp_path: Path) -> None:
     np.testing.assert_array_equal(read_linear(tmp_path / "x.exr"), BUFFERS.picture)
 
 
+def test_a_recipe_is_carried_out_on_the_card_as_on_the_processor(files: Path, tmp_path: Path) -> None:
+    edits = (
+        Ripple(at=(50, 60), height=1, wavelength=14, fade=40, surfaces=(2,)),
+        Emboss(beta=0.7, surfaces=(7,)),
+        Factors(diffuse=0.5, surfaces=(7,)),
+    )
+    write_recipe(tmp_path / "x.recipe.toml", Recipe(edit=edits))
+    words: list[str | Path | float] = ["--environment", files / "scene.env.exr", "--recipe", tmp_path / "x.recipe.toml"]
+    run(files / "scene.exr", "-o", tmp_path / "x.exr", *words)
+    edited = edit(BUFFERS, Recipe(edit=edits))
+    factors = {"diffuse_factor": edited.diffuse_factor, "reflection_factor": edited.reflection_factor}
+    truth = recompose_quickly(BUFFERS, LIGHT, edited.normals, **factors)
+    drawn = read_linear(tmp_path / "x.exr")
+    assert np.abs(truth - BUFFERS.picture).max() > 0.1
+    assert np.quantile(np.abs(encode_srgb(drawn) - encode_srgb(truth)), 0.999) <= 2 / 255
+
+
+def test_remarks_on_the_buffers_are_said(files: Path, tmp_path: Path) -> None:
+    stored = {name: plane for name, plane in layers(BUFFERS).items() if "occlusion" not in name}
+    write(tmp_path / "s.exr", stored)
+    told = run(tmp_path / "s.exr", "-o", tmp_path / "x.png", "--environment", files / "scene.env.exr")
+    assert "note: no ambient occlusion" in told and told.endswith("150 × 120 pixels\n")
+    stored["R"] = np.where(np.arange(150) == 70, np.float32(np.nan), stored["R"])
+    write(tmp_path / "s.exr", stored)
+    told = run(tmp_path / "s.exr", "-o", tmp_path / "x.png", "--environment", files / "scene.env.exr")
+    assert "120 pixels hold no numbers, and are black in x.png" in told
+    assert not codes(tmp_path / "x.png")[:, 70, 0].any()
+
+
 @pytest.mark.parametrize("name", ["scene.exr", "bumps.exr", "scene.env.exr"])
 def test_a_flipped_bit_is_one_line_or_a_picture(files: Path, tmp_path: Path, name: str) -> None:
     for file in files.iterdir():
@@ -76,6 +109,7 @@ def test_a_flipped_bit_is_one_line_or_a_picture(files: Path, tmp_path: Path, nam
     ("arguments", "reason"),
     [
         (["scene.exr", "--normal-map", "bumps.exr"], "give those with --environment"),
+        (["scene.exr", "--recipe", "x.recipe.toml"], "--recipe .but for a rendered picture with its --environment"),
         (["scene.exr", "--kd", "2"], "give those with --environment"),
         (["scene.exr", "--environment", "no.env.exr"], "(?i)no such file"),
         (["scene.exr", "--environment", "scene.exr"], "is of kind none, not environments"),

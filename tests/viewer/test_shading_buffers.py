@@ -1,6 +1,7 @@
 """Shading buffers under changed normals, as the shader recomposes them."""
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ def opaque(picture: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("factors", [(1.0, 1.0), (0.25, 4.0), (0.0, 1.0), (1.5, 0.0)], ids=str)
 def test_shader_and_reference_agree(renderer: Renderer, factors: tuple[float, float]) -> None:
-    told = {"diffuse_factor": factors[0], "reflection_factor": factors[1]}
+    told: dict[str, Any] = {"diffuse_factor": factors[0], "reflection_factor": factors[1]}
     drawn = recomposed_picture(renderer, BUFFERS, LIGHT, BUMPED, **told)
     truth = recompose(BUFFERS, LIGHT, BUMPED, **told)
     assert np.abs(truth - BUFFERS.picture).max() > 0.3
@@ -38,6 +39,31 @@ def test_from_hardly_any_change_to_a_large_one(renderer: Renderer, strength: flo
     normals = bumped(BUFFERS.normals, strength)
     drawn, truth = recomposed_picture(renderer, BUFFERS, LIGHT, normals), recompose(BUFFERS, LIGHT, normals)
     assert codes_apart(opaque(drawn), opaque(truth)) <= 2
+
+
+def test_albedo_and_factors_that_vary_are_drawn_alike(renderer: Renderer) -> None:
+    random = np.random.default_rng(2)
+    albedo, mirror = (random.uniform(0.1, 1, BUFFERS.picture.shape).astype(np.float32) for _ in range(2))
+    scene = dataclasses.replace(BUFFERS, albedo=albedo, reflection_albedo=mirror)
+    light = {
+        2: dataclasses.replace(LIGHT[2], diffuse_is_illumination=True),
+        7: dataclasses.replace(LIGHT[7], reflection_is_illumination=True),
+    }
+    maps = (albedo[..., 0].copy(), mirror[..., 1].copy())
+    drawn = recomposed_picture(renderer, scene, light, BUMPED, reflection_factor=2, factor_maps=maps)
+    truth = recompose(scene, light, BUMPED, diffuse_factor=maps[0], reflection_factor=2 * maps[1])
+    assert codes_apart(opaque(drawn), opaque(truth)) <= 2
+    with pytest.raises(InputError, match="the buffers lack"):
+        recomposed_picture(renderer, BUFFERS, light, BUMPED)
+
+
+def test_what_was_negative_gets_no_darker_and_far_views_are_drawn_alike(renderer: Renderer) -> None:
+    for scene in (
+        dataclasses.replace(BUFFERS, diffuse=BUFFERS.diffuse - 0.5),
+        dataclasses.replace(BUFFERS, orthographic=True, positions=np.zeros_like(BUFFERS.positions)),
+    ):
+        drawn, truth = recomposed_picture(renderer, scene, LIGHT, BUMPED), recompose(scene, LIGHT, BUMPED)
+        assert codes_apart(opaque(drawn), opaque(truth)) <= 2
 
 
 def test_untouched_pixels_keep_their_bits(renderer: Renderer) -> None:

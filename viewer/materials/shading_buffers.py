@@ -8,25 +8,39 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
 from processing.shape.model import BACKGROUND, Environments, ShadingBuffers, SurfaceEnvironment
+from processing.shape.reflectance import check_reflectance
 from viewer.geometry import whole_picture
 from viewer.gl_context import GlContext
 from viewer.look import Look, Texture
 from viewer.renderer import Renderer
 
 F32 = NDArray[np.float32]
+_NONE = np.ones((1, 1, 3), np.float32)
 
 
 class ShadingBuffersMaterial:
     """A picture, its buffers and the environments of its surfaces. Normals are uploaded as often as they change."""
 
-    def __init__(self, gl: GlContext, buffers: ShadingBuffers, environments: Environments) -> None:
+    def __init__(
+        self,
+        gl: GlContext,
+        buffers: ShadingBuffers,
+        environments: Environments,
+        factor_maps: tuple[F32, F32] | None = None,
+    ) -> None:
         """Upload.
+
+        Parameters
+        ----------
+        factor_maps : what k_D and k_R are multiplied by, (H, W) each; None is 1
 
         Raises
         ------
         InputError
-            The picture is larger than the card takes, there is no environment, or they are not square maps of one size.
+            The picture is larger than the card takes, there is no environment, they are not square maps of one size, or
+            they need an albedo that is not there.
         """
+        check_reflectance(buffers, environments)
         height, width = buffers.shape
         info = gl.moderngl.info
         largest, most = int(info["GL_MAX_TEXTURE_SIZE"]), int(info["GL_MAX_ARRAY_TEXTURE_LAYERS"])
@@ -46,9 +60,12 @@ class ShadingBuffersMaterial:
             "diffuse": _with(buffers.diffuse, buffers.ambient_occlusion),
             "reflection": _with(buffers.reflection, buffers.reflection_occlusion),
             "normals": _with(buffers.normals, places),
-            "positions": buffers.positions,
+            "to_eye": buffers.to_eye,
             "new_normals": buffers.normals,
-            "harmonics": np.stack([environments[number].diffuse for number in surfaces]),
+            "albedo": _NONE if buffers.albedo is None else buffers.albedo,
+            "reflection_albedo": _NONE if buffers.reflection_albedo is None else buffers.reflection_albedo,
+            "factor_maps": _factor_maps(factor_maps, buffers.shape),
+            "harmonics": np.stack([_row(environments[number]) for number in surfaces]),
         }
         self._textures: dict[str, Texture] = {name: _plane(gl, texels) for name, texels in planes.items()}
         self._new_normals = self._textures["new_normals"]
@@ -94,8 +111,13 @@ def recomposed_picture(
     *,
     diffuse_factor: float = 1.0,
     reflection_factor: float = 1.0,
+    factor_maps: tuple[F32, F32] | None = None,
 ) -> F32:
     """Shade a picture again under changed normals, once.
+
+    Parameters
+    ----------
+    factor_maps : what the factors are multiplied by, (H, W) each
 
     Returns
     -------
@@ -103,7 +125,7 @@ def recomposed_picture(
     """
     height, width = buffers.shape
     with (
-        renderer.upload(ShadingBuffersMaterial, buffers, environments) as material,
+        renderer.upload(ShadingBuffersMaterial, buffers, environments, factor_maps) as material,
         renderer.upload(whole_picture) as everything,
     ):
         material.change_normals(normals)
@@ -128,6 +150,20 @@ def _check(surfaces: Sequence[int], environments: Sequence[SurfaceEnvironment], 
         for part in (environment.front, environment.back, environment.diffuse)
     ):
         raise InputError("environments: hold what are no numbers; reconstruct them again")
+
+
+def _row(environment: SurfaceEnvironment) -> F32:
+    """Return coefficients (10, 3), the last of which tells what is light before the albedo."""
+    flags = (environment.diffuse_is_illumination, environment.reflection_is_illumination, 0)
+    return np.vstack([environment.diffuse, np.array(flags, np.float32)])
+
+
+def _factor_maps(maps: tuple[F32, F32] | None, shape: tuple[int, int]) -> F32:
+    if maps is None:
+        return _NONE[..., :2]
+    if any(plane.shape != shape for plane in maps):
+        raise InputError(f"factors: are not those of {shape[1]} × {shape[0]} pixels; give (H, W)")
+    return np.stack(maps, axis=-1).astype(np.float32)
 
 
 def _with(colours: F32, fourth: F32) -> F32:

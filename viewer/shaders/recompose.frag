@@ -9,9 +9,12 @@ uniform sampler2D picture;    // I, α
 uniform sampler2D diffuse;    // D₀, α_D
 uniform sampler2D reflection; // R₀, α_R
 uniform sampler2D normals;    // n, and the place of the surface's environment; below 0 there is none
-uniform sampler2D positions;
+uniform sampler2D to_eye;
 uniform sampler2D new_normals;
-uniform sampler2D harmonics;         // nine coefficients of a surface in a row
+uniform sampler2D albedo;            // of a single texel where there is none
+uniform sampler2D reflection_albedo;
+uniform sampler2D factor_maps;       // what k_D and k_R are multiplied by; of a single texel where that is 1
+uniform sampler2D harmonics;         // nine coefficients of a surface in a row, and whether D and R are light before albedo
 uniform sampler2DArray environment_front; // a layer each surface
 uniform sampler2DArray environment_back;
 uniform vec2 factors; // k_D, k_R
@@ -45,6 +48,8 @@ vec3 environment(vec3 direction, int surface) {
     return textureLod(environment_back, vec3(paraboloid_place(direction, -1.0), float(surface)), 0.0).rgb;
 }
 
+vec4 texel(sampler2D plane, ivec2 at) { return texelFetch(plane, min(at, textureSize(plane, 0) - 1), 0); }
+
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     vec4 whole = texelFetch(picture, at, 0), old = texelFetch(normals, at, 0);
@@ -52,16 +57,21 @@ void main() {
     int surface = int(old.w);
     if (surface < 0) return;
     vec3 n = old.xyz, changed = texelFetch(new_normals, at, 0).xyz;
+    vec2 k = factors * texel(factor_maps, at).rg;
     // What is untouched keeps its bits, however a driver rounds what follows.
-    if (n == changed && factors == vec2(1.0)) return;
+    if (n == changed && k == vec2(1.0)) return;
     vec4 d0 = texelFetch(diffuse, at, 0), r0 = texelFetch(reflection, at, 0);
-    vec3 d = d0.rgb + d0.a * (max(d0.rgb + diffuse_change(n, changed, surface), vec3(0.0)) - d0.rgb);
-    vec3 to_eye = -normalize(texelFetch(positions, at, 0).xyz);
-    vec3 r = reflect(-to_eye, n), new_r = reflect(-to_eye, changed);
+    vec3 is_illumination = texelFetch(harmonics, ivec2(9, surface), 0).rgb;
+    vec3 change = diffuse_change(n, changed, surface) * mix(vec3(1.0), texel(albedo, at).rgb, is_illumination.x);
+    // What was negative before may stay so.
+    vec3 d = d0.rgb + d0.a * (max(d0.rgb + change, min(d0.rgb, vec3(0.0))) - d0.rgb);
+    vec3 eye = texelFetch(to_eye, at, 0).xyz;
+    vec3 r = reflect(-eye, n), new_r = reflect(-eye, changed);
     // The chord, and not the cosine, is nothing where nothing was changed.
     float angle = 2.0 * asin(min(1.0, 0.5 * length(r - new_r)));
     float share = min(1.0, angle / MISALIGNED) * r0.a;
-    vec3 new_reflection = r0.rgb + share * (environment(new_r, surface) - r0.rgb);
+    vec3 mirrored = environment(new_r, surface) * mix(vec3(1.0), texel(reflection_albedo, at).rgb, is_illumination.y);
+    vec3 new_reflection = r0.rgb + share * (mirrored - r0.rgb);
     // Written as a change, which is none in what the picture has besides.
-    value.rgb += whole.a * ((factors.x * d - d0.rgb) + (factors.y * new_reflection - r0.rgb));
+    value.rgb += whole.a * ((k.x * d - d0.rgb) + (k.y * new_reflection - r0.rgb));
 }

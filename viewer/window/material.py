@@ -1,7 +1,7 @@
 """A material file opened for the window: lit as often as wanted.
 
-This is the window's one door to the kinds of material; it knows nothing of any but that a PTM's light moves, and that
-it can be seen flat.
+This is the window's one door to the kinds of material; it knows nothing of any but that the light of a PTM and of a
+decomposed MatCap moves, and that a PTM can be seen flat.
 """
 
 from collections.abc import Callable, Iterator
@@ -19,6 +19,7 @@ from viewer.materials.ptm import PtmMaterial
 from viewer.materials.ptm_shading import DEFAULT_LIGHT, PtmShading, shading_lights
 from viewer.motion import Moment
 from viewer.opened import open_looks
+from viewer.refusals import is_decomposed
 from viewer.renderer import Renderer
 from viewer.save import save_values
 from viewer.staging import DEFAULT_MESH, Staging
@@ -27,6 +28,9 @@ from viewer.window.state import Light
 
 Looks = Callable[[View | None, Light], Look]
 """Says how the material looks in a view, or flat, under a light; cheap."""
+
+
+IN_THE_CAMERA: Light = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -44,7 +48,9 @@ class Material:
     @property
     def light(self) -> Light | None:
         """Where its light is at first, x and y of the unit vector; None if it cannot move."""
-        return None if self.ptm is None else DEFAULT_LIGHT
+        if self.ptm is not None:
+            return DEFAULT_LIGHT
+        return IN_THE_CAMERA if is_decomposed(self.file) else None
 
     @property
     def flat_size(self) -> tuple[int, int] | None:
@@ -67,7 +73,7 @@ class Material:
         """
         if self.ptm is None:
             with open_looks(renderer, self.file, Staging(mesh), geometry) as looks:
-                yield lambda view, _: looks(Moment(view or View()))
+                yield lambda view, light: looks(Moment(view or View(), matcap_light=light))
             return
         # Flat, the stored values are the display's values, whatever was fitted.
         ptm = replace(self.ptm, space="srgb") if mesh is None else self.ptm

@@ -2,13 +2,10 @@
 
 from pathlib import Path
 
-import cv2
 import numpy as np
-import OpenEXR
 from numpy.typing import NDArray
 
-from litrig.base.pictures import read_linear
-from litrig.base.quiet import quiet_library
+from litrig.base.pictures import read_coverage, read_linear
 
 F32 = NDArray[np.float32]
 
@@ -22,22 +19,6 @@ def read_with_coverage(path: Path) -> F32:
         The file is missing, of an unknown format, or damaged.
     """
     light = read_linear(path)  # which says what is wrong with the file
-    coverage = _coverage(path)
+    coverage = read_coverage(path)
     whole = np.ones(light.shape[:2], np.float32) if coverage is None else np.clip(coverage, 0, 1)
     return np.concatenate([light, whole[..., None]], axis=-1, dtype=np.float32)
-
-
-def _coverage(path: Path) -> F32 | None:
-    match path.suffix.lower():
-        case ".png":
-            codes = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
-            if codes is None or codes.ndim != 3 or codes.shape[2] != 4:
-                return None
-            most = 255 if codes.dtype == np.uint8 else 65535
-            return np.asarray(codes[..., 3], np.float32) / np.float32(most)
-        case ".exr":
-            with quiet_library(), OpenEXR.File(str(path)) as exr:
-                channels = exr.channels()
-                return np.asarray(channels["RGBA"].pixels[..., 3], np.float32) if "RGBA" in channels else None
-        case _:
-            return None

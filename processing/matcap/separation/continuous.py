@@ -11,23 +11,24 @@ the disc, until none is.
 import numpy as np
 from numpy.typing import NDArray
 
-from processing.matcap.separation.envelope import outermost, shadings_under
+from processing.matcap.separation.envelope import shadings_under
 from processing.matcap.separation.pixel_tree import PixelTree
 from processing.matcap.separation.support import support
 
 F64 = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-_FIRST, _PARTS = 2000, 4000
+_FIRST, _PARTS = 2000, 1000
 _ROUNDING = 1e-9
 _PATIENT_ROUNDS, _MOST_ROUNDS = 4, 100
 
 
-def shadings_of(values: F64, tree: PixelTree, tolerance: float = 0.0) -> F64:
+def shadings_of(values: F64, tree: PixelTree, corners: Integers, tolerance: float = 0.0) -> F64:
     """Return shadings m (K, 3) the brightest of which, at every normal of a tree, is the opening of values (N,) ≥ 0.
 
     Parameters
     ----------
+    corners : the `outermost` of the normals, which always hold shadings down
     tolerance : by how much of the brightest value a shading may pass over others before it is held down to them
     """
     scale = float(values.max(initial=0.0))
@@ -35,7 +36,7 @@ def shadings_of(values: F64, tree: PixelTree, tolerance: float = 0.0) -> F64:
         return np.zeros((1, 3))
     heights = values / scale
     allowed = max(tolerance, _ROUNDING)
-    held = np.union1d(outermost(tree.normals), _lowest(heights, len(heights) // _FIRST + 1))
+    held = np.union1d(corners, _lowest(heights, len(heights) // _FIRST + 1))
     open_ = np.arange(len(heights))
     part = tree
     for round_ in range(_MOST_ROUNDS):

@@ -7,7 +7,7 @@ others; among points n_q/v_q they would lie at infinity.
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, QhullError
 
 F64 = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -15,6 +15,7 @@ Integers = NDArray[np.int64]
 _LEVEL = 1e-9
 """Facets that lean out more than this, as a slope's inverse, stand upright: no shading passes under them."""
 _BELOW = 1e-12
+_SECTORS = 512
 _FEASIBLE = 1e-10
 
 
@@ -23,10 +24,18 @@ def outermost(normals: F64) -> Integers:
     if len(normals) < 4:
         return np.arange(len(normals))
     places = normals[:, :2] / normals[:, 2:]
-    spread = np.linalg.svd(places - places.mean(axis=0), compute_uv=False, full_matrices=False)
-    if spread[-1] <= 1e-9 * spread[0]:
+    off = places - places.mean(axis=0)
+    distances = np.hypot(off[:, 0], off[:, 1])
+    sectors = ((np.arctan2(off[:, 1], off[:, 0]) / (2 * np.pi) + 0.5) * _SECTORS).astype(np.int64) % _SECTORS
+    farthest = np.zeros(_SECTORS)
+    np.maximum.at(farthest, sectors, distances)
+    try:
+        rough = ConvexHull(off[distances == farthest[sectors]])
+        # What lies nearer to the middle than every side of some of the points' hull is within it.
+        beyond = np.flatnonzero(distances >= max(-float(rough.equations[:, 2].max()), 0) * (1 - 1e-9))
+        corners: Integers = beyond[ConvexHull(off[beyond]).vertices].astype(np.int64)
+    except QhullError:  # all in one line
         return np.arange(len(normals))
-    corners: Integers = ConvexHull(places).vertices.astype(np.int64)
     return corners
 
 

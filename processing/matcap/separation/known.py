@@ -67,7 +67,8 @@ def background_px(picture: Floats) -> float:
     allowed = _ALIKE * max(float(picture.max()), 1e-30)
     if np.mean(np.abs(far_out - background).max(axis=1) <= allowed) < _ALL:
         return 0.0
-    off = np.abs(picture - background).max(axis=2)
+    near = np.abs(within) < _LAST_RING_PX + _RING_PX
+    within, off = within[near], np.abs(picture[near] - background).max(axis=1)
     ring = 0.0
     while ring < _LAST_RING_PX:
         pixels = off[(within >= ring) & (within < ring + _RING_PX)]

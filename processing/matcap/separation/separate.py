@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
 from processing.matcap.disc import check_disc, disc_normals
-from processing.matcap.separation import continuous, discrete
 from processing.matcap.separation.blend import Blend, above
+from processing.matcap.separation.continuous import shadings_of
+from processing.matcap.separation.discrete import dilate, erode
+from processing.matcap.separation.envelope import outermost
 from processing.matcap.separation.known import NOTHING, Ignored, holding, known_pixels
-from processing.matcap.separation.pixel_tree import PixelTree, grow_tree, tile_order
+from processing.matcap.separation.pixel_tree import grow_tree, tile_order
 from processing.matcap.separation.support import support
 
 F32 = NDArray[np.float32]
@@ -79,12 +81,24 @@ def separate(
     rows, columns = rows[order], columns[order]
     tree = grow_tree(normals[rows, columns], codes)
     seen = known[rows, columns]
+    part = tree if seen.all() else tree.part(seen)
+    corners = outermost(part.normals)
 
     def open_channel(channel: int) -> F64:
-        values = light[rows, columns, channel]
-        holds = seen.copy()
-        holds[seen] = holding(values[seen], ignored)
-        return np.clip(_opened(values, holds, tree, form, tolerance), 0, values)
+        values: F64 = light[rows, columns, channel]
+        held, chosen, ends = values[seen], part, corners
+        holds = holding(held, ignored)
+        if not holds.any():
+            return values
+        if not holds.all():
+            held, chosen = held[holds], part.part(holds)
+            ends = outermost(chosen.normals)
+        if form == "continuous":
+            opened = support(shadings_of(held, chosen, ends, tolerance), tree)
+        else:
+            opened = dilate(erode(held, chosen), chosen, tree)
+        under: F64 = np.clip(opened, 0, values)
+        return under
 
     low = np.zeros_like(light)
     with ThreadPoolExecutor() as pool:
@@ -92,13 +106,3 @@ def separate(
             low[rows, columns, channel] = opened
     high = np.where(inside[..., None], above(np.where(inside[..., None], light, 0), low, blend), 0)
     return Separation(low, high, known)
-
-
-def _opened(values: F64, holds: Bools, tree: PixelTree, form: Form, tolerance: float) -> F64:
-    """Open what holds, and carry it on to the other pixels of the tree."""
-    if not holds.any():
-        return values
-    part = tree if holds.all() else tree.part(holds)
-    if form == "continuous":
-        return support(continuous.shadings_of(values[holds], part, tolerance), tree)
-    return discrete.dilate(discrete.erode(values[holds], part), part, tree)

@@ -1,12 +1,11 @@
 """`litrig ptm relight`."""
 
-import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
-from processing.command_parts import PATH, PICTURES, check_output, echo_clipped
+from processing.command_parts import PATH, PICTURES, Finite, FiniteRange, check_output, echo_clipped
 
 if TYPE_CHECKING:
     import numpy as np
@@ -16,19 +15,7 @@ if TYPE_CHECKING:
     from processing.ptm.relighting.lights import Lights
 
 _UNSHARP_RADIUS_PX = 2.0
-
-
-class _Number(click.FloatRange):
-    """A finite number; the range alone lets NaN pass."""
-
-    def convert(self, value: Any, param: click.Parameter | None, context: click.Context | None) -> float:
-        number = float(super().convert(value, param, context))
-        if not math.isfinite(number):
-            self.fail(f"{number} is not a finite number", param, context)
-        return number
-
-
-_POSITIVE, _NOT_NEGATIVE = _Number(0, min_open=True), _Number(0)
+_POSITIVE, _NOT_NEGATIVE = FiniteRange(0, min_open=True), FiniteRange(0)
 
 
 @click.command(epilog="Example: litrig ptm relight coin.ptm --light 0.7 0.2 --specular 0.4 60 -o raking.png")
@@ -57,9 +44,9 @@ _POSITIVE, _NOT_NEGATIVE = _Number(0, min_open=True), _Number(0)
     type=PATH,
     help="Light from all sides: a panorama in latitude and longitude (EXR, HDR, PNG …), its centre behind the camera.",
 )
-@click.option("--rotate", "rotate_deg", type=_Number(), metavar="DEG", help="Turn the environment about the vertical.")
+@click.option("--rotate", "rotate_deg", type=Finite(), metavar="DEG", help="Turn the environment about the vertical.")
 @click.option(
-    "--exposure", "exposure_ev", type=_Number(-30, 30), metavar="EV", help="Make the light 2^EV times as strong."
+    "--exposure", "exposure_ev", type=FiniteRange(-30, 30), metavar="EV", help="Make the light 2^EV times as strong."
 )
 @click.option(
     "--diffuse-gain",

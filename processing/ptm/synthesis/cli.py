@@ -1,13 +1,12 @@
 """`litrig ptm synth`."""
 
 import json
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from processing.command_parts import JSON, PATH
+from processing.command_parts import JSON, PATH, FiniteRange
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,16 +19,6 @@ if TYPE_CHECKING:
     from processing.ptm.synthesis.suggestion import Suggestion
 
 _SIDE_PX = click.IntRange(1, 1_000_000)
-
-
-class _NotNegative(click.FloatRange):
-    """A finite number of at least 0; the range alone lets NaN and infinity pass."""
-
-    def convert(self, value: Any, param: click.Parameter | None, context: click.Context | None) -> float:
-        number = float(super().convert(value, param, context))
-        if not math.isfinite(number):
-            self.fail(f"{number} is not a finite number", param, context)
-        return number
 
 
 class _Block(click.types.IntParamType):
@@ -78,7 +67,7 @@ class _Block(click.types.IntParamType):
 )
 @click.option(
     "--tolerance",
-    type=_NotNegative(0),
+    type=FiniteRange(0),
     default=0.1,
     show_default=True,
     metavar="T",
@@ -86,7 +75,7 @@ class _Block(click.types.IntParamType):
 )
 @click.option(
     "--delta",
-    type=_NotNegative(0),
+    type=FiniteRange(0),
     default=0.004,
     show_default=True,
     metavar="D",
@@ -108,7 +97,7 @@ class _Block(click.types.IntParamType):
 )
 @click.option(
     "--chroma",
-    type=_NotNegative(0),
+    type=FiniteRange(0),
     default=1.0,
     show_default=True,
     metavar="W",
@@ -143,7 +132,7 @@ class _Block(click.types.IntParamType):
     "place of the source is among all.",
 )
 @click.option(
-    "--guide-weight", type=_NotNegative(0), metavar="W", help="Weight of --guide beside the texture; 1 if left out."
+    "--guide-weight", type=FiniteRange(0), metavar="W", help="Weight of --guide beside the texture; 1 if left out."
 )
 @click.option(
     "--fill",

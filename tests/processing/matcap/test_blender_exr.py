@@ -11,8 +11,9 @@ from click.testing import CliRunner
 from litrig.base.errors import FormatError, InputError
 from processing.matcap.blender_exr import is_blender_matcap, read_blender_matcap, write_blender_matcap
 from processing.matcap.cli import matcap
-from processing.matcap.matcap_exr import write_matcap
-from processing.matcap.render import disc_picture
+from processing.matcap.disc import disc_normals
+from processing.matcap.matcap_exr import read_matcap, write_matcap
+from processing.matcap.render import disc_picture, half_pictures
 from tests.processing.matcap.maps import analytic
 
 RNG = np.random.default_rng(2)
@@ -74,6 +75,18 @@ def test_a_file_that_lacks_something_is_refused(tmp_path: Path) -> None:
         read_blender_matcap(tmp_path / "cut.exr")
     with pytest.raises(InputError, match=r"end the name in \.exr"):
         write_blender_matcap(tmp_path / "x.png", HALVES[0], HALVES[1])
+
+
+def test_it_is_decomposed_without_being_split(tmp_path: Path) -> None:
+    """The halves of the picture that comes back are the passes, whatever a split would make of their sum."""
+    low, high = half_pictures(analytic(64), 48)
+    write_blender_matcap(tmp_path / "x.exr", low, high)
+    arguments = ["decompose", str(tmp_path / "x.exr"), "-o", str(tmp_path / "y.matcap.exr"), "--slopes", "0.3", "0.9"]
+    assert CliRunner().invoke(matcap, arguments, catch_exceptions=False).exit_code == 0
+    normals, _ = disc_normals(48)
+    inner = normals[..., 2] > 0.4
+    for found, wanted in zip(half_pictures(read_matcap(tmp_path / "y.matcap.exr")), (low, high), strict=True):
+        np.testing.assert_allclose(found[inner], wanted[inner], atol=0.01)
 
 
 def test_the_command_writes_halves_that_add_up_to_the_picture(tmp_path: Path) -> None:

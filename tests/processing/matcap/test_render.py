@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from processing.matcap.disc import disc_normals
 from processing.matcap.model import Component, DecomposedMatcap
-from processing.matcap.render import component_light, disc_normals, disc_picture, unwarped, warped
+from processing.matcap.render import component_light, disc_picture, unwarped, warped
 from processing.matcap.silhouette import Silhouette
 from processing.paraboloid.maps import texel_directions
 from tests.processing.matcap.maps import analytic, sharp

@@ -72,3 +72,13 @@ def test_maps_of_another_size_hold_the_same_light(size: int) -> None:
 def test_what_is_no_variance_is_refused(variance: float) -> None:
     with pytest.raises(InputError, match=r"blur: a variance of .* is none"):
         blurred(*sides(8), variance)
+
+
+@pytest.mark.parametrize("size", [1, 3, 9, 17, 34])
+@pytest.mark.parametrize("variance", [0.0, 1e-9, 0.02, 3.0])
+def test_maps_of_any_size_are_blurred(size: int, variance: float) -> None:
+    light = np.random.default_rng(size).random((2, size, size, 3), np.float32)
+    found = np.stack(blurred(light[0], light[1], variance))
+    assert found.shape == light.shape and found.dtype == np.float32
+    assert np.all(np.isfinite(found))
+    assert found.std() <= light.std() + 1e-6

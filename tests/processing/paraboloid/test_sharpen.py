@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from scipy.special import erf
 
 from litrig.base.errors import InputError
-from processing.paraboloid.blur import blurred
+from processing.paraboloid.blur import blurred, resized
 from processing.paraboloid.maps import texel_directions
 from processing.paraboloid.sharpen import sharpened
 
@@ -21,6 +21,14 @@ WITHIN = np.stack(
 def edge(variance: float) -> F32:
     light = 0.5 + 0.4 * erf(HEIGHTS / np.sqrt(2 * variance))
     return np.repeat(light[..., None], 3, axis=-1).astype(np.float32)
+
+
+def lamp(size: int, sharpness: float) -> tuple[F32, F32]:
+    front, back = (
+        np.exp(sharpness * (side @ np.array([0.6, 0.0, 0.8]) - 1))[..., None] * np.ones(3)
+        for side in texel_directions(size)
+    )
+    return front.astype(np.float32), back.astype(np.float32)
 
 
 def steepness(light: F32) -> float:
@@ -41,12 +49,20 @@ def test_an_edge_gets_steeper_and_flat_noise_does_not_grow(noise: float) -> None
 
 
 def test_a_highlight_comes_nearer_to_the_sharp_one_and_keeps_its_light() -> None:
-    lamp = [np.exp(60 * (d @ [0.6, 0.0, 0.8] - 1))[..., None] * np.ones(3, np.float32) for d in texel_directions(SIZE)]
-    soft = blurred(lamp[0], lamp[1], TAKEN)
+    sharp = lamp(SIZE, 60)
+    soft = blurred(*sharp, TAKEN)
     found = sharpened(*soft, TAKEN)
-    before, after = (np.abs(np.stack(pair) - np.stack(lamp))[WITHIN].mean() for pair in (soft, found))
+    before, after = (np.abs(np.stack(pair) - np.stack(sharp))[WITHIN].mean() for pair in (soft, found))
     assert after < 0.35 * before
     assert np.stack(found).max() > 1.3 * np.stack(soft).max()
+
+
+def test_large_maps_are_sharpened_as_small_ones_are() -> None:
+    """A blur this large is taken back on smaller copies."""
+    small, large = (np.stack(sharpened(*blurred(*lamp(size, 12), 0.1), 0.1, 4)) for size in (48, 96))
+    soft = np.stack(blurred(*lamp(96, 12), 0.1))
+    np.testing.assert_allclose(np.stack(resized(large[0], large[1], 48)), small, atol=0.02)
+    assert large.max() > 1.2 * soft.max()
 
 
 def test_nothing_taken_changes_nothing() -> None:

@@ -7,6 +7,7 @@ import pytest
 
 from litrig.base.errors import FormatError, InputError
 from processing.shape.buffers_exr import read_buffers, read_normals
+from processing.shape.model import ShadingBuffers
 from tests.processing.shape.scene import buffers, bumped
 from tests.processing.shape.stored import layers, write
 
@@ -14,8 +15,9 @@ GOOD = buffers()
 FIELDS = [field.name for field in dataclasses.fields(GOOD)]
 
 
-def same(found: object, wanted: object, atol: float = 1e-6) -> None:
-    for name in FIELDS:
+def same(found: ShadingBuffers, wanted: ShadingBuffers, atol: float = 1e-6) -> None:
+    assert (found.albedo, found.reflection_albedo) == (None, None)
+    for name in set(FIELDS) - {"albedo", "reflection_albedo"}:
         np.testing.assert_allclose(getattr(found, name), getattr(wanted, name), atol=atol, err_msg=name)
 
 

@@ -35,6 +35,23 @@ def test_another_reader_finds_parts_and_coefficients(tmp_path: Path) -> None:
     assert told["source"] == "abc"
 
 
+def test_light_before_albedo_is_told_from_shading(tmp_path: Path) -> None:
+    mixed = {
+        2: dataclasses.replace(GOOD[2], diffuse_is_illumination=True),
+        7: dataclasses.replace(GOOD[7], diffuse_is_illumination=True, reflection_is_illumination=True),
+    }
+    write_environments(tmp_path / "x.env.exr", mixed)
+    found = read_environments(tmp_path / "x.env.exr")
+    assert [one.diffuse_is_illumination for one in found.values()] == [True, True]
+    assert [one.reflection_is_illumination for one in found.values()] == [False, True]
+
+
+def test_files_of_before_albedo_hold_shading(tmp_path: Path) -> None:
+    rewritten(tmp_path / "x.env.exr", without=("diffuse_is_illumination", "reflection_is_illumination"))
+    found = read_environments(tmp_path / "x.env.exr")
+    assert not any(one.diffuse_is_illumination or one.reflection_is_illumination for one in found.values())
+
+
 @pytest.mark.parametrize(
     ("name", "light", "reason"),
     [
@@ -53,7 +70,7 @@ def test_what_are_no_environments_are_not_written(tmp_path: Path, name: str, lig
     assert not any(tmp_path.iterdir())
 
 
-def rewritten(path: Path, keep: slice = slice(None), **changes: Any) -> None:
+def rewritten(path: Path, keep: slice = slice(None), without: tuple[str, ...] = (), **changes: Any) -> None:
     write_environments(path, GOOD)
     with OpenEXR.File(str(path)) as exr:
         parts = [(dict(part.header), part.channels["RGB"].pixels.copy()) for part in exr.parts][keep]
@@ -61,7 +78,8 @@ def rewritten(path: Path, keep: slice = slice(None), **changes: Any) -> None:
     made = []
     for header, texels in parts:
         head = {name: value for name, value in header.items() if name in kept}
-        head[KEY] = json.dumps({**json.loads(head[KEY]), **changes})
+        told = {key: value for key, value in json.loads(head[KEY]).items() if key not in without}
+        head[KEY] = json.dumps({**told, **changes})
         made.append(OpenEXR.Part(head, {"RGB": texels}))
     OpenEXR.File(made).write(str(path))
 
@@ -74,8 +92,28 @@ def rewritten(path: Path, keep: slice = slice(None), **changes: Any) -> None:
         (slice(None), {"diffuse": {}}, "diffuse"),
         (slice(None), {"diffuse": {"2": [[0, 0, 0]] * 8}}, r"diffuse\.2"),
         (slice(None), {"what": 1}, "what"),
+        (
+            slice(None),
+            {"regions": {"2": {"falloff": 1, "centres": [[0, 0, 0]] * 2, "diffuse": [[[0, 0, 0]] * 9]}}},
+            "2 centres for 1 regions",
+        ),
+        (
+            slice(None),
+            {"regions": {"3": {"falloff": 1, "centres": [[0, 0, 0]], "diffuse": [[[0, 0, 0]] * 9]}}},
+            "regions of surface 3",
+        ),
+        (slice(None), {"diffuse_is_illumination": [9]}, "illumination of surface 9, which has no coefficients"),
     ],
-    ids=["a part short", "a surface short", "no surface", "a coefficient short", "an unknown key"],
+    ids=[
+        "a part short",
+        "a surface short",
+        "no surface",
+        "a coefficient short",
+        "an unknown key",
+        "a region short",
+        "regions of nothing",
+        "a stranger",
+    ],
 )
 def test_a_file_that_contradicts_itself_is_refused(
     tmp_path: Path, keep: slice, changes: dict[str, Any], reason: str

@@ -8,20 +8,27 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from scipy.spatial.transform import Rotation
 
 from litrig.base.errors import InputError
 from litrig.base.pictures import read_linear
 from litrig.base.radiometry import to_u8
 from processing.amc.files.ktx2 import write_amc
+from processing.matcap.matcap_exr import write_matcap
+from processing.mesh.builtin import torus
 from processing.mesh.either import mesh_of
 from processing.ptm.basis import Basis
 from processing.ptm.files.ptm_exr import write_ptm_exr
 from processing.ptm.files.ptm_file import read_ptm, write_ptm
 from processing.ptm.relighting.relight import relight
+from tests.processing.matcap.maps import analytic
 from tests.viewer.analytic import brushed_amc
 from tests.viewer.window.materials import DISPLAY_STEPS, Codes, shown_codes, soft_ptm
 from viewer.cli import render
+from viewer.geometry import mesh_geometry
 from viewer.materials.amc import amc_picture
+from viewer.materials.decomposed_matcap import DecomposedMatcapMaterial
+from viewer.opened_matcap import towards
 from viewer.renderer import Renderer
 from viewer.view import Projection
 from viewer.window.display import DisplayTarget
@@ -42,6 +49,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_amc(folder / "brushed.amc.ktx2", brushed_amc(16, 8))
     write_ptm(folder / "soft.ptm", soft_ptm(*SIZE))
     write_ptm_exr(folder / "linear.ptm.exr", dataclasses.replace(soft_ptm(*SIZE), space="linear"))
+    write_matcap(folder / "gold.matcap.exr", analytic(32))
     soft = soft_ptm(*SIZE)
     write_ptm_exr(
         folder / "harmonics.ptm.exr", dataclasses.replace(soft, coefficients=soft.coefficients[2:], basis=HSH)
@@ -105,6 +113,24 @@ def test_a_flat_ptm_is_zoomed_and_moved(renderer: Renderer, files: Path) -> None
     assert plain.std(axis=(0, 1)).max() > 8, "there is something to tell places by"
 
 
+def test_the_light_of_a_decomposed_matcap_turns_from_where_it_stands(renderer: Renderer, files: Path) -> None:
+    assert read_material(files / "gold.matcap.exr").light == pytest.approx((0, 0))
+    view = Shown("torus", (0, 0), TURNED).view
+    with stage_for(renderer, files / "gold.matcap.exr") as stage:
+        still, turned = (
+            codes(renderer, stage.show(Shown("torus", light, TURNED), SIZE, moving=True))
+            for light in ((0, 0), (0.5, 0.4))
+        )
+    with (
+        renderer.upload(DecomposedMatcapMaterial, analytic(32)) as gold,
+        renderer.upload(mesh_geometry, torus()) as geometry,
+    ):
+        for seen, turn in ((still, Rotation.identity()), (turned, towards((0.5, 0.4)))):
+            wanted = shown_codes(renderer.picture(gold.look(light_turn=turn), geometry, view, size=SIZE))
+            assert np.abs(seen.astype(int) - wanted).max() <= DISPLAY_STEPS
+    assert np.abs(still.astype(int) - turned).max() > 60
+
+
 def test_nothing_is_drawn_twice(renderer: Renderer, files: Path) -> None:
     with stage_for(renderer, files / "soft.ptm") as stage:
         for moving in (False, False, True, False):
@@ -126,8 +152,9 @@ def test_nothing_is_drawn_twice(renderer: Renderer, files: Path) -> None:
         ("soft.ptm", Shown(None, (0.2, 0.6))),
         ("linear.ptm.exr", Shown(None, (0.2, 0.6))),
         ("harmonics.ptm.exr", Shown("pillow", (0.2, 0.6))),
+        ("gold.matcap.exr", Shown("torus", (0.4, -0.3), TURNED)),
     ],
-    ids=["an AMC", "a PTM on a mesh", "a flat PTM", "a flat linear PTM", "an HSH on a mesh"],
+    ids=["an AMC", "a PTM on a mesh", "a flat PTM", "a flat linear PTM", "an HSH on a mesh", "a decomposed MatCap"],
 )
 def test_a_snapshot_is_the_file_that_its_command_writes(
     renderer: Renderer, files: Path, tmp_path: Path, name: str, shown: Shown, ending: str

@@ -1,0 +1,62 @@
+"""`.recipe.toml`: edits of shape in their order, `[[edit]]` each. Files are named from the recipe's own folder."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import tomli_w
+
+from litrig.base.config import read_toml
+from litrig.base.errors import InputError
+from litrig.base.files import write_atomically
+from processing.shape.editing.operations import AnyOperation, Recipe
+from processing.shape.frames import frame
+
+ENDING = ".recipe.toml"
+
+
+def read_recipe(path: Path) -> Recipe:
+    """Read a recipe; the files that it names are found from its folder.
+
+    Raises
+    ------
+    InputError
+        The file is missing, or cannot be read.
+    ConfigError
+        It is no TOML, or says what no edit understands.
+    """
+    folder = path.absolute().parent
+    return _with_files(read_toml(path, Recipe), lambda file: folder / file)
+
+
+def write_recipe(path: Path, recipe: Recipe) -> None:
+    """Write a recipe, the files in it named from its folder.
+
+    Raises
+    ------
+    InputError
+        The name does not end in .recipe.toml, or the file cannot be written.
+    """
+    if not path.name.lower().endswith(ENDING):
+        raise InputError(f"{path}: cannot hold a recipe; end the name in {ENDING}")
+    folder = path.absolute().parent
+    told = _with_files(recipe, lambda file: Path(os.path.relpath(file.absolute(), folder)))
+    edits = [
+        {"operation": one.operation, **one.model_dump(mode="json", exclude_defaults=True, exclude_none=True)}
+        for one in told.edit
+    ]
+    write_atomically(path, tomli_w.dumps({"edit": edits}).encode())
+
+
+def at_frame(recipe: Recipe, number: int) -> Recipe:
+    """Return the recipe for one frame of a sequence: # in the names of its files becomes the frame's number."""
+    return _with_files(recipe, lambda file: frame(file, number))
+
+
+def _with_files(recipe: Recipe, change: Callable[[Path], Path]) -> Recipe:
+    return Recipe(edit=tuple(_changed(one, change) for one in recipe.edit))
+
+
+def _changed(one: AnyOperation, change: Callable[[Path], Path]) -> AnyOperation:
+    files = {name: value for name in type(one).model_fields if isinstance(value := getattr(one, name), Path)}
+    return one.model_copy(update={name: change(file) for name, file in files.items()})

@@ -1,0 +1,110 @@
+"""`litrig shape recompose`."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from processing.command_parts import PATH, PICTURES, check_output, echo_clipped
+from processing.shape.buffers_options import buffers_options, say
+from processing.shape.edit_options import edit_options
+
+if TYPE_CHECKING:
+    from processing.shape.buffers_exr import ReadOptions
+    from processing.shape.editing.operations import Recipe
+    from processing.shape.model import Environments
+
+
+@click.command(epilog="Example: litrig shape recompose shot.exr shot.env.exr --ripple 320 240 2 30 -o rippled.png")
+@click.argument("file", metavar="BUFFERS.exr", type=PATH)
+@click.argument("environment", metavar="X.env.exr", type=PATH)
+@edit_options
+@buffers_options
+@click.option("--save-recipe", metavar="RECIPE", type=PATH, help="Write all edits as .recipe.toml.")
+@click.option("--normals-out", metavar="EXR", type=PATH, help="Write the edited normals, view frame.")
+@click.option("-o", "--output", metavar="IMAGE", type=PATH, required=True, help="EXR, PNG, JPEG or TIFF to write.")
+def recompose(
+    file: Path,
+    environment: Path,
+    make_recipe: "Callable[[], Recipe]",
+    read_options: "Callable[[], ReadOptions]",
+    save_recipe: Path | None,
+    normals_out: Path | None,
+    output: Path,
+) -> None:
+    """Shade a rendered picture again after its surfaces' normals were edited.
+
+    Pixels that no edit touches keep their bits. An EXR gets linear light as it came, with the background; other formats
+    get display values. In the name of BUFFERS.exr and of the outputs # stands for a digit of a frame's number, as in
+    shot.####.exr: all frames that are there are shaded with the same environments. Masks, normals and height maps may
+    be named so too.
+    """
+    from litrig.base.errors import InputError
+    from processing.shape.editing.recipe_toml import ENDING, at_frame, write_recipe
+    from processing.shape.env_exr import read_environments
+    from processing.shape.frames import frame, frame_numbers, is_pattern
+
+    check_output(output, *PICTURES)
+    if normals_out is not None:
+        check_output(normals_out, ".exr")
+    if save_recipe is not None:
+        check_output(save_recipe, ENDING)
+    for name in (output, *([normals_out] if normals_out else [])):
+        if is_pattern(name) != is_pattern(file):
+            raise InputError(f"{name}: write # for the number of a frame in the buffers' name and here, or in neither")
+    recipe, options = make_recipe(), read_options()
+    environments = read_environments(environment)
+    if not is_pattern(file):
+        _shade(file, environments, recipe, options, output, normals_out, is_frame=False)
+    for number in frame_numbers(file) if is_pattern(file) else []:
+        normals = None if normals_out is None else frame(normals_out, number)
+        edits = at_frame(recipe, number)
+        _shade(frame(file, number), environments, edits, options, frame(output, number), normals, is_frame=True)
+    if save_recipe is not None:
+        write_recipe(save_recipe, recipe)
+        click.echo(f"{save_recipe}: {len(recipe.edit)} edits")
+
+
+def _shade(
+    file: Path,
+    environments: "Environments",
+    recipe: "Recipe",
+    options: "ReadOptions",
+    output: Path,
+    normals_out: Path | None,
+    *,
+    is_frame: bool,
+) -> None:
+    import numpy as np
+
+    from litrig.base.pictures import write_exr, write_picture
+    from processing.shape.blend import recompose_regions
+    from processing.shape.buffers_exr import read_buffers
+    from processing.shape.displayable import displayable
+    from processing.shape.editing.edit import edit
+    from processing.shape.recompose import recompose as shade_again
+
+    buffers = read_buffers(file, options, say)
+    edited = edit(buffers, recipe, say, is_frame=is_frame)
+    touched = np.any(edited.normals != buffers.normals, axis=-1)
+    touched |= (edited.diffuse_factor != 1) | (edited.reflection_factor != 1)
+    without = sorted(set(np.unique(buffers.surfaces[touched]).tolist()) - set(environments))
+    if without:
+        say(f"{file.name}: no environment of surface {', '.join(map(str, without))}, which stays as it is")
+    picture = recompose_regions(
+        shade_again,
+        buffers,
+        environments,
+        edited.normals,
+        diffuse_factor=edited.diffuse_factor,
+        reflection_factor=edited.reflection_factor,
+    )
+    changed = np.any(picture != buffers.picture, axis=-1) & (buffers.surfaces > 0)
+    shown = displayable(picture, output, say)
+    echo_clipped(output, shown)
+    write_picture(output, shown)
+    if normals_out is not None:
+        channels = {f"normal.{axis}": np.ascontiguousarray(edited.normals[..., k]) for k, axis in enumerate("XYZ")}
+        write_exr(normals_out, channels, {"litrig.kind": "normals"})
+    click.echo(f"{output}: {picture.shape[1]} × {picture.shape[0]} pixels, {np.mean(changed):.1%} of them changed")
