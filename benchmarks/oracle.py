@@ -118,7 +118,9 @@ Gold about y and x, plastic about y and x, by 60°: the picture, the truth, ours
 
 ![Balls whose light was turned](pictures/matcap-turned.png)
 
-What is left of plastic is Fresnel's: what the rim reflects all of is as bright when it has come to the middle.
+What is left comes for the most part from the rim, where the picture shows most directions in the fewest pixels. What
+plastic shows there is too bright when it has come to the middle, by half and more: that is Fresnel's silhouette, which
+no picture tells from light.
 
 ## Low and high frequencies, diffuse and specular light
 
