@@ -65,8 +65,9 @@ def find_regions(
         found: list[FoundRegion] = []
         for answers in asked:
             agreed = _agreed(meridians, answers, leniency)
-            # The flank of a light is no step, and a light that settles stands on no ground.
-            found += [one for one in agreed if not any(_is_part(one, other, meridians.size) for other in found)]
+            for one in sorted(agreed, key=lambda feature: feature.variance):
+                if not any(_is_part(one, other, meridians.size) for other in found):
+                    found.append(one)
         if found:
             return sorted(found, key=lambda one: one.variance)[:most]
     return []
@@ -95,9 +96,14 @@ class _Asked:
 
 
 def _is_part(one: FoundRegion, other: FoundRegion, size: int) -> bool:
-    """Whether a feature lies within another of another kind."""
-    apart = 2 / size * np.hypot(one.region.x - other.region.x, one.region.y - other.region.y)
-    return bool(one.of != other.of and apart < _REACH_DEVIATIONS * np.sqrt(other.variance))
+    """Tell whether a feature is another one again, or lies within one of another kind.
+
+    The flank of a light is no step, and a light that settles stands on no ground.
+    """
+    apart_px = float(np.hypot(one.region.x - other.region.x, one.region.y - other.region.y))
+    if one.of == other.of:
+        return apart_px < 2 * _SIDE_PX
+    return bool(apart_px < _REACH_DEVIATIONS * np.sqrt(other.variance) * size / 2)
 
 
 def _candidates(meridians: Meridians, of: Of) -> tuple[F64, F64]:
