@@ -57,7 +57,7 @@ def _grown(normals: F64, codes: Integers) -> PixelTree:
     for level in reversed(range(_LEVELS)):
         tiles = codes >> (4 * level)
         begins = np.concatenate([[0], np.flatnonzero(tiles[1:] != tiles[:-1]) + 1, [len(tiles)]])
-        middles, reaches = np.empty((len(begins) - 1, 3)), np.empty(len(begins) - 1)
+        middles, reaches = np.zeros((len(begins) - 1, 3)), np.zeros(len(begins) - 1)
         _measure(normals, begins, middles, reaches)
         starts.append(begins)
         centres.append(middles)
