@@ -43,7 +43,7 @@ def unwarped(disc: F32, slope: float, size: int) -> tuple[F32, F32]:
 
 
 def _tables(slope: float, *, behind: bool) -> tuple[F64, F64]:
-    """Return the radius at which texels look on the disc, and how much of it they cover for their size, by their place."""
+    """Return the radius at which texels look on the disc, and how much they cover for their size, by their place."""
     places = np.linspace(0, _FARTHEST, _KNOTS + 1)
     turned = math.pi - 2 * np.arctan(places) if behind else 2 * np.arctan(places)
     angles = np.minimum(turned / (1 + slope), math.pi / 2)

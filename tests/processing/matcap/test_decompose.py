@@ -1,11 +1,15 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from litrig.base.errors import InputError
+from litrig.base.radiometry import encode_srgb
 from processing.matcap.decompose import Filter, decompose, fitting_size
-from processing.matcap.disc import disc_normals
+from processing.matcap.disc import disc_normals, spread_out
 from processing.matcap.model import Component, DecomposedMatcap
-from processing.matcap.render import disc_picture
+from processing.matcap.render import component_light, disc_picture, unwarped
+from processing.matcap.render import seen as looks_at
 from processing.matcap.separation.separate import separate
 from processing.paraboloid.maps import places, texel_directions
 from processing.reference.texels import bilinear
@@ -70,6 +74,25 @@ def test_maps_finer_than_the_picture_lack_less_of_it() -> None:
         assert found.high.remainder is not None
         lacking.append(np.abs(found.high.remainder).mean())
     assert coarse.high.front.shape == (32, 32, 3) and lacking[0] > 8 * lacking[1] > 0
+
+
+def test_turned_light_is_nearly_as_sharp_as_the_disc_shows_it() -> None:
+    picture = hard_edged(96)
+    apart = separate(picture)
+    found = decompose(apart.low, apart.high, apart.known, FILTERS)
+    turn = (0.0, 60.0, 0.0)
+    normals, inside = disc_normals(96)
+    shown, wanted, held = np.zeros((2, inside.sum(), 3)), np.zeros((2, inside.sum(), 3)), np.ones(inside.sum(), bool)
+    for index, (component, layer) in enumerate(((found.low, apart.low), (found.high, apart.high))):
+        turned = replace(component, light_turn_deg=turn)
+        shown[index] = component_light(turned, normals[inside])
+        source = unwarped(looks_at(turned, normals[inside]), component.slope)
+        held &= (source[:, 2] > 0) & (np.hypot(source[:, 0], source[:, 1]) < 1 - 4 / 96)
+        disc = spread_out(layer.astype(np.float32), apart.known)
+        wanted[index] = bilinear(disc, (1 + source[:, 0]) / 2, (1 - source[:, 1]) / 2)
+    off = encode_srgb(shown.sum(axis=0)) - encode_srgb(wanted.sum(axis=0))
+    assert held.mean() > 0.6 and np.sqrt((off[held] ** 2).mean()) < 5 / 255
+    assert np.median(np.abs(off[held])) < 0.3 / 255
 
 
 def test_where_a_component_is_brightest_its_light_is_white() -> None:
