@@ -78,13 +78,13 @@ def check_part(path: Path, head: Head, channels: list[str], data: Size, display:
     )
 
 
-def check_budget(path: Path, unpacked: int, most: int) -> None:
-    """Refuse a file that unpacks to more than `most` bytes, or to much more than it is long."""
+def check_budget(path: Path, unpacked: int, most: int, free: int = FREE_BYTES) -> None:
+    """Refuse a file that unpacks to more than `most` bytes, or to more than `free` and much more than it is long."""
     packed = path.stat().st_size
     require(path, unpacked <= most, f"unpacks to {unpacked:,} bytes, more than {most:,}; refused")
     require(
         path,
-        unpacked <= max(FREE_BYTES, packed * LARGEST_RATIO),
+        unpacked <= max(free, packed * LARGEST_RATIO),
         f"unpacks from {packed:,} to {unpacked:,} bytes, more than {LARGEST_RATIO} to 1; refused",
     )
 
