@@ -73,10 +73,12 @@ def write_blender_matcap(path: Path, diffuse: F32, specular: F32) -> None:
     Raises
     ------
     InputError
-        The name does not end in .exr, or the file cannot be written.
+        The name does not end in .exr, a half is brighter than any file holds, or the file cannot be written.
     """
     if path.suffix.lower() != ".exr":
         raise InputError(f"{path}: cannot hold a Blender MatCap; end the name in .exr")
+    if not (np.all(np.isfinite(diffuse)) and np.all(np.isfinite(specular))):
+        raise InputError(f"{path}: the ball is brighter than files can hold; lessen gains, colours and lights")
     largest = np.finfo(np.float16).max
     channels = {
         f"{name}.{colour}": np.ascontiguousarray(np.clip(picture[..., number], -largest, largest), np.float16)

@@ -2,6 +2,9 @@
 
 from pathlib import Path
 
+import numpy as np
+
+from litrig.base.errors import InputError
 from litrig.base.pictures import write_picture
 from processing.matcap.model import DecomposedMatcap
 from processing.matcap.render import disc_picture
@@ -17,6 +20,9 @@ def write_disc(path: Path, matcap: DecomposedMatcap, size: int | None = None) ->
     Raises
     ------
     InputError
-        The ending is of no picture, or the file cannot be written.
+        The ending is of no picture, the ball is brighter than any file holds, or the file cannot be written.
     """
-    write_picture(path, disc_picture(matcap, size))
+    picture = disc_picture(matcap, size)
+    if not np.all(np.isfinite(picture)):
+        raise InputError(f"{path}: the ball is brighter than files can hold; lessen gains, colours and lights")
+    write_picture(path, picture)

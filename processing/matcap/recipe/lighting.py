@@ -23,6 +23,7 @@ _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 def rotate(matcap: DecomposedMatcap, step: Rotate) -> DecomposedMatcap:
     """Turn both components alike, on top of what they are turned already."""
     axis = np.asarray(_AXES[step.axis] if isinstance(step.axis, str) else step.axis, np.float64)
+    axis = axis / np.abs(axis).max()
     turn = Rotation.from_rotvec(axis / np.linalg.norm(axis) * step.degrees, degrees=True)
     return _turned_on(matcap, turn, step.turns)
 

@@ -91,12 +91,30 @@ def test_an_edited_file_holds_everything_that_was_done(gold: Path, tmp_path: Pat
         (["--gain", -1, 1], "greater than or equal to 0"),
         (["--silhouette", 90, 1, 1], "less than 90"),
         (["--roughness", -4], "greater than or equal to 0"),
+        (["--roughness", 1e300], "less than or equal to 180"),
+        (["--rotate", "y", 1e300], "less than or equal to 1000000"),
+        (["--rotate", "y", "nan"], "finite number"),
     ],
 )
 def test_what_makes_no_sense_is_wrong_usage(gold: Path, tmp_path: Path, options: list[object], reason: str) -> None:
     result = run("edit", gold, "-o", tmp_path / "y.png", *options)
     assert result.exit_code == 2 and reason in result.output
     assert not (tmp_path / "y.png").exists()
+
+
+@pytest.mark.parametrize("ending", ["png", "exr"])
+def test_a_ball_brighter_than_floats_is_refused(gold: Path, tmp_path: Path, ending: str) -> None:
+    with pytest.raises(InputError, match=rf"y\.{ending}: the ball is brighter than files can hold"):
+        run("edit", gold, "-o", tmp_path / f"y.{ending}", "--gain", 1e308, 1)
+    assert not (tmp_path / f"y.{ending}").exists()
+
+
+def test_the_length_of_an_axis_does_not_matter(gold: Path, tmp_path: Path) -> None:
+    for name, axis in (("a", "1,1,0"), ("b", "1e300,1e300,0"), ("c", "1e-300,1e-300,0")):
+        assert run("edit", gold, "-o", tmp_path / f"{name}.exr", "--rotate", axis, 30).exit_code == 0
+    pictures = [read_linear(tmp_path / f"{name}.exr") for name in "abc"]
+    np.testing.assert_array_equal(pictures[0], pictures[1])
+    np.testing.assert_array_equal(pictures[0], pictures[2])
 
 
 def test_what_cannot_be_written_or_read_is_named(gold: Path, tmp_path: Path) -> None:
