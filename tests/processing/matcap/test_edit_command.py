@@ -102,6 +102,28 @@ def test_what_makes_no_sense_is_wrong_usage(gold: Path, tmp_path: Path, options:
     assert not (tmp_path / "y.png").exists()
 
 
+@pytest.mark.parametrize(
+    ("step", "reason"),
+    [
+        ('op = "move"\nname = "flag"', "step 2, move: no picture hangs under the name 'flag'"),
+        (
+            'op = "paint"\nshape = "line"\nat = [1, 0]\nto = [0, 1]',
+            "step 2, paint: at 1, 0 and to 0, 1 the ball shows the",
+        ),
+        (
+            'op = "paint"\nshape = "edge"\nat = [0, 0]\nto = [0, 1]',
+            "step 2, paint: at 0, 0 and to 0, 1 the ball shows the",
+        ),
+    ],
+)
+def test_a_step_that_cannot_be_done_is_named_with_its_recipe(tmp_path: Path, step: str, reason: str) -> None:
+    write_matcap(tmp_path / "mirror.matcap.exr", analytic(32, slopes=(1.0, 1.0)))
+    (tmp_path / "x.recipe.toml").write_text(f"[[steps]]\nop = 'gain'\n[[steps]]\n{step}")
+    with pytest.raises(InputError, match=rf"x\.recipe\.toml: {reason}"):
+        run("edit", tmp_path / "mirror.matcap.exr", "-o", tmp_path / "y.png", "--recipe", tmp_path / "x.recipe.toml")
+    assert not (tmp_path / "y.png").exists()
+
+
 @pytest.mark.parametrize("ending", ["png", "exr"])
 def test_a_ball_brighter_than_floats_is_refused(gold: Path, tmp_path: Path, ending: str) -> None:
     with pytest.raises(InputError, match=rf"y\.{ending}: the ball is brighter than files can hold"):
@@ -118,8 +140,12 @@ def test_the_length_of_an_axis_does_not_matter(gold: Path, tmp_path: Path) -> No
 
 
 def test_what_cannot_be_written_or_read_is_named(gold: Path, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"y\.bmp: cannot write"):
+    with pytest.raises(InputError, match=r"y\.bmp: cannot be written as \.bmp"):
         run("edit", gold, "-o", tmp_path / "y.bmp")
     with pytest.raises(InputError, match=r"none\.recipe\.toml: no such file"):
         run("edit", gold, "-o", tmp_path / "y.png", "--recipe", tmp_path / "none.recipe.toml")
+    with pytest.raises(InputError, match=r"x\.toml: cannot be written as \.toml; end it in \.recipe\.toml"):
+        run("edit", gold, "-o", tmp_path / "y.png", "--save-recipe", tmp_path / "x.toml")
+    with pytest.raises(InputError, match=r"x\.recipe\.toml: the folder .*no does not exist"):
+        run("edit", gold, "-o", tmp_path / "y.png", "--save-recipe", tmp_path / "no" / "x.recipe.toml")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["gold.matcap.exr"]
