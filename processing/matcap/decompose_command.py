@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from processing.command_parts import JSON, PATH, check_output, echo_facts
+from processing.command_parts import JSON, PATH, FiniteRange, check_output, echo_facts
 from processing.matcap.split_command import separating
 
 if TYPE_CHECKING:
@@ -27,14 +27,14 @@ _WHITE = 1 - 1 / 512
 @click.option("-o", "--output", metavar="X.matcap.exr", type=PATH, required=True, help="What to write.")
 @click.option(
     "--filter-sizes",
-    type=click.FloatRange(0, 10),
+    type=FiniteRange(0, 10),
     nargs=2,
     metavar="NU_LOW NU_HIGH",
     help="The materials' filters: variances in radians squared. By default they are estimated.",
 )
 @click.option(
     "--slopes",
-    type=click.FloatRange(0, 1),
+    type=FiniteRange(0, 1),
     nargs=2,
     metavar="MU_LOW MU_HIGH",
     help="How much the filters turn away from the view: 0 matt, 1 a mirror. By default as the filter sizes say.",

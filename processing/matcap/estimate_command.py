@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from processing.command_parts import JSON, PATH, check_output
+from processing.command_parts import JSON, PATH, FiniteRange, check_output
 
 if TYPE_CHECKING:
     import numpy as np
@@ -55,7 +55,7 @@ _WHITE = 1 - 1 / 512
 )
 @click.option(
     "--quantile",
-    type=click.FloatRange(0, 1),
+    type=FiniteRange(0, 1),
     help="Which of a region's pixels counts: .5 is the median (default of plateau), 0 the least (default of paper).",
 )
 @click.option("--plot", "plot_path", type=PATH, metavar="PNG", help="Draw variance over the window's size.")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from processing.command_parts import JSON, PATH, PICTURES, check_output, echo_clipped, echo_facts
+from processing.command_parts import JSON, PATH, PICTURES, FiniteRange, check_output, echo_clipped, echo_facts
 
 if TYPE_CHECKING:
     from processing.matcap.separation.blend import Blend
@@ -31,13 +31,13 @@ def separating(command: Callable[..., Any]) -> Callable[..., Any]:
     @click.option(
         "--rim",
         "rim_px",
-        type=click.FloatRange(0, 1000),
+        type=FiniteRange(0, 1000),
         metavar="PX",
         help="Pixels this near to the rim are no data. By default those that a background reaches.",
     )
     @click.option(
         "--floor",
-        type=click.FloatRange(0, 1e6),
+        type=FiniteRange(0, 1e6),
         metavar="V",
         help="Values up to this, in linear light, hold nothing down. One black pixel blackens half a sphere: 0 lets "
         "black ink pass.",
@@ -45,14 +45,14 @@ def separating(command: Callable[..., Any]) -> Callable[..., Any]:
     @click.option(
         "--percentile",
         "percent",
-        type=click.FloatRange(0, 100, max_open=True),
+        type=FiniteRange(0, 100, max_open=True),
         default=0.0,
         metavar="P",
         help="Nor do the darkest P of a hundred pixels of each channel.",
     )
     @click.option(
         "--tolerance",
-        type=click.FloatRange(0, 1),
+        type=FiniteRange(0, 1),
         default=1e-4,
         show_default=True,
         metavar="SHARE",
@@ -117,10 +117,13 @@ def split(image: Path, outputs: tuple[Path, Path], blend: "Blend", as_json: bool
     IMAGE is square, the disc inscribed in it; what lies outside, and what is not opaque, is no data. LOW is the
     brightest matt shading that fits under it.
     """
+    from litrig.base.errors import InputError
     from processing.matcap.disc_file import write_layers
 
     for output in outputs:
         check_output(output, *PICTURES)
+    if outputs[0].resolve() == outputs[1].resolve():
+        raise InputError(f"{outputs[0]}: is to be LOW and HIGH; give each a name of its own")
     separation = separated(image)
     whole = (separation.low + separation.high).astype("float32")
     echo_clipped(outputs[0], whole)

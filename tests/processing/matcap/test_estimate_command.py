@@ -68,6 +68,10 @@ def test_a_degenerate_region_is_valid_json_too(picture: Path) -> None:
     assert facts["regions"][0]["variance"] is None
 
 
+def test_a_quantile_that_is_no_number_is_wrong_usage(picture: Path) -> None:
+    assert CliRunner().invoke(matcap, ["estimate", str(picture), "--quantile", "nan"]).exit_code == 2
+
+
 @pytest.mark.parametrize("arguments", [("--roi", "0", "0", "2", "2"), ("--plot", "no-such-folder/x.png")])
 def test_wrong_input_is_named_and_nothing_is_written(picture: Path, tmp_path: Path, arguments: tuple[str, ...]) -> None:
     result = CliRunner().invoke(matcap, ["estimate", str(picture), *arguments])
