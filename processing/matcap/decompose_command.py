@@ -111,9 +111,9 @@ def decompose(
     write_matcap(output, found)
     facts: dict[str, Any] = {"file": str(output), "size": len(found.low.front)}
     for name, component in (("low", found.low), ("high", found.high)):
-        facts[f"{name}_filter_size"] = round(component.filter_size, 5)
-        facts[f"{name}_slope"] = round(component.slope, 4)
-        facts[f"{name}_base_colour"] = [round(value, 5) for value in component.base_colour]
+        facts[f"{name}_filter_size"] = _short(component.filter_size)
+        facts[f"{name}_slope"] = _short(component.slope)
+        facts[f"{name}_base_colour"] = [_short(value) for value in component.base_colour]
     for remark in remarks:
         click.echo(remark, err=True)
     echo_facts(facts, as_json)
@@ -132,7 +132,10 @@ def _layers(
     from processing.matcap.separation.blend import blended
     from processing.matcap.separation.known import known_pixels
 
+    if len(images) == 1 and blend != "add":
+        raise InputError(f"{images[0]}: is no HIGH over a LOW; give two layers, or leave out --blend")
     if len(images) == 1 and is_blender_matcap(images[0]):
+        separated.refuse_for_layers(images[0])
         low, high = read_blender_matcap(images[0])
         for layer in (low, high):
             check_disc(layer, str(images[0]))
@@ -142,6 +145,7 @@ def _layers(
         low, high = separation.low.astype("float32"), separation.high.astype("float32")
         known = separation.known
     else:
+        separated.refuse_for_layers(images[0])
         first, second = (read_disc(image) for image in images)
         if first.colours.shape != second.colours.shape:
             raise InputError(
@@ -151,6 +155,8 @@ def _layers(
         whole = blended(first.colours, second.colours, blend)
         known = known_pixels(whole, first.covered)
         low, high = first.colours, (whole - first.colours).clip(0).astype("float32")
+    if not known.any():
+        raise InputError(f"{images[0]}: no pixel of the disc is opaque; give layers that show the ball")
     digest = hashlib.sha256(b"".join(image.read_bytes() for image in images)).hexdigest()
     return low, high, known, digest
 
@@ -191,6 +197,10 @@ def _estimated(images: tuple[Path, ...], low: "F32", high: "F32") -> tuple[tuple
         raise InputError(f"{images[0]}: its filters cannot be estimated ({error}); give --filter-sizes") from error
     remarks = [f"{name}: {remark}" for name, one in zip(("low", "high"), found, strict=True) for remark in one.remarks]
     return (found[0].filter_size, found[1].filter_size), remarks
+
+
+def _short(number: float) -> float:
+    return float(f"{number:.5g}")
 
 
 def _painted(path: Path) -> "tuple[F32, F32]":

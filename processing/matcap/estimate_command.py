@@ -101,7 +101,7 @@ def estimate(
     deviation_deg = math.degrees(math.sqrt(found.filter_size))
     click.echo(f"filter size ν: {found.filter_size:.4g} rad², a standard deviation of {deviation_deg:.2f}°")
     click.echo(f"slope μ: {found.slope:.3f}")
-    click.echo(f"base colour: {colour[0]:.3f} {colour[1]:.3f} {colour[2]:.3f}, linear")
+    click.echo(f"base colour: {colour[0]:.4g} {colour[1]:.4g} {colour[2]:.4g}, linear")
     for index, region in enumerate(found.regions):
         click.echo(("* " if index == found.chosen else "  ") + _line(region))
     if plot_path is not None:

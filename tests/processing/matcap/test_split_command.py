@@ -1,5 +1,6 @@
 import json
 from pathlib import Path
+from typing import get_args
 
 import cv2
 import numpy as np
@@ -10,7 +11,7 @@ from litrig.base.errors import LitrigError
 from litrig.base.pictures import read_codes, read_linear, write_exr, write_picture
 from processing.matcap.cli import matcap
 from processing.matcap.disc import disc_normals
-from processing.matcap.separation.blend import BLENDS, Blend, blended
+from processing.matcap.separation.blend import Blend, blended
 from tests.processing.matcap.discs import glossy, hard_edged, lambert
 
 
@@ -28,7 +29,7 @@ def test_exr_layers_add_up_to_the_picture_and_are_not_negative(tmp_path: Path, f
     np.testing.assert_allclose(low + high, whole, rtol=2e-7, atol=1e-9)
 
 
-@pytest.mark.parametrize("blend", BLENDS)
+@pytest.mark.parametrize("blend", get_args(Blend))
 def test_png_layers_give_the_codes_back_within_one(tmp_path: Path, blend: Blend) -> None:
     write_picture(tmp_path / "x.png", hard_edged(48))
     found = run("split", tmp_path / "x.png", "-o", tmp_path / "l.png", tmp_path / "h.png", "--blend", blend)
