@@ -81,6 +81,14 @@ def check_output(output: Path, *endings: str) -> None:
         raise InputError(f"{output}: the folder {output.parent} does not exist; create it first")
 
 
+def check_is_another(output: Path, source: Path) -> None:
+    """Refuse to write over what was given."""
+    from litrig.base.errors import InputError
+
+    if output.resolve() == source.resolve():
+        raise InputError(f"{output}: would be written over, and is what was given; name another file")
+
+
 def check_folder(folder: Path) -> None:
     """Refuse before the work a folder that could not be made after it."""
     from litrig.base.errors import InputError

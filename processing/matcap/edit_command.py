@@ -1,5 +1,6 @@
 """`litrig matcap edit`: light and material of a decomposed MatCap changed."""
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -179,6 +180,6 @@ def _axis(text: str) -> Any:
         parts = tuple(float(part) for part in text.split(","))
     except ValueError:
         parts = ()
-    if len(parts) != _NUMBERS:
+    if len(parts) != _NUMBERS or not all(map(math.isfinite, parts)):
         raise click.UsageError(f"{text!r} is no axis; give x, y, z or three numbers like 1,1,0")
     return parts

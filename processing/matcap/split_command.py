@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from processing.command_parts import JSON, PATH, PICTURES, FiniteRange, check_output, echo_clipped, echo_facts
+from processing.command_parts import (
+    JSON,
+    PATH,
+    PICTURES,
+    FiniteRange,
+    check_is_another,
+    check_output,
+    echo_clipped,
+    echo_facts,
+)
 
 if TYPE_CHECKING:
     from processing.matcap.separation.blend import Blend
@@ -147,6 +156,7 @@ def split(image: Path, outputs: tuple[Path, Path], blend: "Blend", as_json: bool
 
     for output in outputs:
         check_output(output, *PICTURES)
+        check_is_another(output, image)
     if outputs[0].resolve() == outputs[1].resolve():
         raise InputError(f"{outputs[0]}: is to be LOW and HIGH; give each a name of its own")
     separation = separated(image)

@@ -87,6 +87,7 @@ def test_an_edited_file_holds_everything_that_was_done(gold: Path, tmp_path: Pat
     [
         (["--rotate", "w", 30], "'w' is no axis"),
         (["--rotate", "0,0,0", 30], "an axis of no length"),
+        (["--rotate", "nan,0,1", 30], "'nan,0,1' is no axis"),
         (["--paint", 1, 1, 5, 1, 1, 1], "is not on the ball"),
         (["--gain", -1, 1], "greater than or equal to 0"),
         (["--silhouette", 90, 1, 1], "less than 90"),
