@@ -49,6 +49,11 @@ class ShadingBuffers:
         return height, width
 
     @cached_property
+    def seen(self) -> list[int]:
+        """Numbers of the surfaces that are seen, in their order."""
+        return [number for number in np.unique(self.surfaces).tolist() if number != BACKGROUND]
+
+    @cached_property
     def to_eye(self) -> F32:
         """Unit directions (H, W, 3) from the surface to the eye, v; z where there is no surface."""
         towards = -self.positions

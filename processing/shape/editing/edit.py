@@ -81,10 +81,9 @@ def _weight(buffers: ShadingBuffers, operation: AnyOperation) -> F32:
 
 def check_surfaces(buffers: ShadingBuffers, wanted: Collection[int], what: str) -> None:
     """Refuse numbers of surfaces that the picture does not show."""
-    there = set(np.unique(buffers.surfaces).tolist()) - {BACKGROUND}
-    if strange := sorted(set(wanted) - there):
+    if strange := sorted(set(wanted) - set(buffers.seen)):
         raise InputError(
-            f"{what}: no surface {strange[0]} in the picture; there are {', '.join(map(str, sorted(there)))}"
+            f"{what}: no surface {strange[0]} in the picture; there are {', '.join(map(str, buffers.seen))}"
         )
 
 
