@@ -1,12 +1,14 @@
 """From shading buffers to the picture under other normals."""
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from litrig.base.errors import InputError
 from litrig.base.pictures import write_picture
+from processing.shape.blend import recompose_regions
 from processing.shape.buffers_exr import read_buffers, read_normals
 from processing.shape.buffers_options import say
 from processing.shape.displayable import displayable
@@ -39,8 +41,8 @@ def render_buffers(file: Path, output: Path, staging: Staging) -> tuple[int, int
     recipe = Recipe() if told.recipe is None else read_recipe(told.recipe)
     edited = edit(replace(buffers, normals=normals), recipe, say)
     with Renderer() as renderer:
-        picture = recomposed_picture(
-            renderer,
+        picture = recompose_regions(
+            partial(recomposed_picture, renderer),
             buffers,
             read_environments(environment),
             edited.normals,
