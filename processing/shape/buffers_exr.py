@@ -42,10 +42,12 @@ class ReadOptions:
     ----------
     layers : by buffer, the layers it is made of
     camera : how it was seen
+    may_be_empty : that no surface is seen is no mistake, as in a frame of a sequence
     """
 
     layers: Mapping[str, Recipe] = field(default_factory=dict)
     camera: CameraSaid = field(default_factory=CameraSaid)
+    may_be_empty: bool = False
 
 
 def parse_layers(words: tuple[str, ...]) -> dict[str, Recipe]:
@@ -93,11 +95,11 @@ def read_buffers(path: Path, options: ReadOptions | None = None, tell: Tell | No
     made = {name: layers.make(one.recipe, name) for name, one in found.items() if name not in _UNREAD}
     surfaces, coverage = _surfaces(path, layers, found, made, tell)
     pixels = Pixels(path, surfaces, tell)
-    pixels.check_seen()
-    pixels.check_numbers("picture", made["picture"], "holds pixels that are no numbers")
-    for name in ("diffuse", "reflection", "normal", "albedo", "reflection_albedo"):
+    if not options.may_be_empty:
+        pixels.check_seen()
+    for name in ("picture", "diffuse", "reflection", "normal", "albedo", "reflection_albedo"):
         if name in made:
-            pixels.check_numbers(name, made[name], f"layer {name} holds no numbers")
+            pixels.check_numbers(name, made[name])
     made = straightened(made, coverage, pixels.shown, tell)
     normals = decoded_normals(made["normal"], pixels.shown, tell)
     seen = view_of(path, stored, found, made, options.camera, pixels, tell)

@@ -40,11 +40,12 @@ class Pixels:
     def check_seen(self) -> None:
         require(self._path, self._seen > 0, f"no surface is seen in it; {MEND} with numbers of surfaces or alpha")
 
-    def check_numbers(self, name: str, values: F32, what: str) -> None:
+    def check_numbers(self, name: str, values: F32) -> None:
         """Leave pixels whose values are not finite, or so large that their squares are not."""
         usable = np.abs(values) < _LARGEST
         lost: NDArray[np.bool_] = ~usable if values.ndim == 2 else ~np.asarray(usable.all(axis=-1))
-        self._leave(lost, what, f"{MEND} without them")
+        what = "the picture" if name == "picture" else f"layer {name}"
+        self._leave(lost, f"{what} holds no numbers", f"{MEND} without them")
 
     def check_apart(self, positions: F32) -> None:
         """Leave pixels whose surface is where the camera is."""

@@ -84,7 +84,7 @@ def spoiled(name: str, value: float) -> Change:
             id="a layer short",
         ),
         pytest.param(spoiled("reflection.G", np.nan), "layer reflection holds no numbers in", id="NaN"),
-        pytest.param(spoiled("R", np.inf), "pixels that are no numbers", id="infinite"),
+        pytest.param(spoiled("R", np.inf), "the picture holds no numbers", id="infinite"),
         pytest.param(spoiled("ambient_occlusion.Y", 1.5), "ambient_occlusion.Y leaves 0 to 1", id="occlusion"),
         pytest.param(spoiled("surface_id.I", 2.5), "no numbers of surfaces", id="half a surface"),
         pytest.param(
