@@ -179,8 +179,10 @@ def test_holes_of_any_kind_are_filled_in_few_cycles(seed: int, monkeypatch: pyte
     front, back = random.uniform(0, 1, (2, 33 + seed, 33 + seed, 1))
     one = np.zeros((2, *front.shape[:2]), bool)
     one[seed % 2, 10 + seed, 20] = True
-    line, chess = np.zeros_like(one), np.zeros_like(one)
-    chess[:] = np.indices(one.shape).sum(axis=0) % 2 == 0
+    chess: Mask = np.indices(one.shape).sum(axis=0) % 2 == 0
+    few: Mask = random.uniform(size=one.shape) < 0.5 * 0.1 ** (seed % 3)
+    line = np.zeros_like(one)
     line[seed % 2, :, 15] = True
-    for known in (one, ~one, line, ~line, chess, random.uniform(size=one.shape) < 10.0 ** -(1 + seed % 3) * 5):
+    masks: list[Mask] = [one, ~one, line, ~line, chess, few]
+    for known in masks:
         assert np.isfinite(fill(front, back, known[0], known[1])).all()
