@@ -8,7 +8,6 @@ import numpy as np
 
 from litrig.base.errors import InputError
 from litrig.base.pictures import write_picture
-from processing.shape.blend import recompose_regions
 from processing.shape.buffers_exr import read_buffers, read_normals
 from processing.shape.buffers_options import say
 from processing.shape.displayable import displayable
@@ -16,6 +15,7 @@ from processing.shape.editing.edit import edit
 from processing.shape.editing.operations import Recipe
 from processing.shape.editing.recipe_toml import read_recipe
 from processing.shape.env_exr import read_environments
+from processing.shape.extended.blend import recompose_regions
 from viewer.materials.shading_buffers import recomposed_picture
 from viewer.refusals import refuse_amc_staging, refuse_matcap_staging
 from viewer.renderer import Renderer

@@ -98,10 +98,10 @@ def _shade(job: _Job, environments: "Environments", recipe: "Recipe", options: "
 
     from litrig.base.errors import InputError
     from litrig.base.pictures import write_exr, write_picture
-    from processing.shape.blend import recompose_regions
     from processing.shape.buffers_exr import read_buffers
     from processing.shape.displayable import displayable
     from processing.shape.editing.edit import edit
+    from processing.shape.extended.blend import recompose_regions
     from processing.shape.recompose import recompose as shade_again
 
     is_frame = job.number is not None

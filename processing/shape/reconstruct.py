@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
 from litrig.base.progress import Progress, Report, silent
+from processing.shape.albedo import illumination
 from processing.shape.diffuse.fit import DiffuseOptions, fit_diffuse
 from processing.shape.diffuse.hot_pixels import hot_pixels
-from processing.shape.extended import Light, with_regions
-from processing.shape.illumination import illumination
+from processing.shape.extended.environments import Light, with_regions
 from processing.shape.model import Environments, ShadingBuffers, SurfaceEnvironment
 from processing.shape.reflection.environment import ReflectionEnvironment, ReflectionOptions, reconstruct_reflection
 

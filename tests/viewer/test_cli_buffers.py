@@ -10,11 +10,11 @@ from litrig.base.errors import InputError, LitrigError
 from litrig.base.pictures import read_linear
 from litrig.base.radiometry import encode_srgb, to_u8
 from processing.reference.recompose import recompose
-from processing.shape.blend import recompose_regions
 from processing.shape.editing.edit import edit
 from processing.shape.editing.operations import Emboss, Factors, Recipe, Ripple
 from processing.shape.editing.recipe_toml import write_recipe
 from processing.shape.env_exr import write_environments
+from processing.shape.extended.blend import recompose_regions
 from processing.shape.model import Region
 from processing.shape.recompose import recompose as recompose_quickly
 from tests.processing.shape.scene import buffers, bumped, environments
