@@ -41,14 +41,18 @@ def recompose(files: Path, output: Path, *words: str | Path | float) -> str:
 
 
 def test_no_edit_gives_the_picture_back_bit_for_bit(files: Path, tmp_path: Path) -> None:
-    told = recompose(files, tmp_path / "x.exr")
+    picture = BUFFERS.picture.copy()
+    picture[60, 50] = -0.0, 1e-42, 1e4
+    stored = {**layers(BUFFERS), **{name: picture[..., index] for index, name in enumerate("RGB")}}
+    write(tmp_path / "s.exr", stored)
+    told = run("recompose", tmp_path / "s.exr", files / "s.env.exr", "-o", tmp_path / "x.exr")
     assert told.endswith("150 × 120 pixels, 0.0% of them changed\n")
     with OpenEXR.File(str(tmp_path / "x.exr"), separate_channels=True) as exr:
         assert sorted(exr.channels()) == ["B", "G", "R"]
         for index, name in enumerate("RGB"):
-            stored = exr.channels()[name].pixels
-            assert stored.dtype == np.float32
-            np.testing.assert_array_equal(stored.view(np.uint32), BUFFERS.picture[..., index].view(np.uint32))
+            kept = exr.channels()[name].pixels
+            assert kept.dtype == np.float32
+            np.testing.assert_array_equal(kept.view(np.uint32), picture[..., index].view(np.uint32))
 
 
 def test_an_exr_has_linear_light_and_a_png_display_values(files: Path, tmp_path: Path) -> None:
