@@ -20,7 +20,7 @@ from processing.shape.buffers.camera import CameraSaid, world_to_camera
 from processing.shape.buffers.channels import read_channels
 from processing.shape.buffers.layers import Found, Layers, find_buffers
 from processing.shape.buffers.names import BUFFERS, Recipe, parse_recipe
-from processing.shape.buffers.pixels import Pixels, decoded_normals, share, surface_numbers
+from processing.shape.buffers.pixels import LARGEST, Pixels, decoded_normals, share, surface_numbers
 from processing.shape.buffers.view import view_of
 from processing.shape.model import BACKGROUND, ShadingBuffers
 
@@ -169,7 +169,7 @@ def read_normals(
             "one a pixel"
         )
     shown = buffers.surfaces != BACKGROUND
-    lost = int(np.count_nonzero(~np.isfinite(normals[shown]).all(axis=-1)))
+    lost = int(np.count_nonzero(~(np.abs(normals[shown]) < LARGEST).all(axis=-1)))
     require(path, not lost, f"holds no numbers in {lost} pixels of surfaces; mend it")
     normals = decoded_normals(normals, shown, tell or (lambda _: None))
     normals = np.where(shown[..., None], normals, 0).astype(np.float32)
