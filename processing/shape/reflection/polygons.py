@@ -58,34 +58,30 @@ def joined(used: Mask, normals: F32, to_eye: F32, positions: F32 | None, smoothn
     least = float(np.cos(np.radians(smoothness.normal_jump_deg)))
     somewhere, jump = (normals, np.inf) if positions is None else (positions, smoothness.depth_jump)
     pairs = []
-    for one, other in ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:])):
+    for down, right, one, other in ((0, 1, np.s_[:, :-1], np.s_[:, 1:]), (1, 0, np.s_[:-1], np.s_[1:])):
         smooth = used[one] & used[other]
-        planes = [(plane[one], plane[other]) for plane in (normals, to_eye, somewhere)]
-        _keep_smooth(*planes[0], *planes[1], *planes[2], least, jump, smooth)
+        _keep_smooth(normals, to_eye, somewhere, down, right, least, jump, smooth)
         pairs.append(smooth)
     return pairs[0], pairs[1]
 
 
 @kernel
 def _keep_smooth(
-    n: F32, n_after: F32, eye: F32, eye_after: F32, p: F32, p_after: F32, least: float, jump: float, smooth: Mask
+    normals: F32, to_eye: F32, positions: F32, down: int, right: int, least: float, jump: float, smooth: Mask
 ) -> None:
     """Take away pairs whose normals or depths jump; the latter by more than `jump` times what the slant explains."""
     for row in range(smooth.shape[0]):
         for column in range(smooth.shape[1]):
             if not smooth[row, column]:
                 continue
+            r, c = row + down, column + right
             alike, facing, facing_after, along, squares = 0.0, 0.0, 0.0, 0.0, 0.0
             for k in range(3):
-                one, other, chord = (
-                    n[row, column, k],
-                    n_after[row, column, k],
-                    p_after[row, column, k] - p[row, column, k],
-                )
-                alike += one * other
-                facing += one * eye[row, column, k]
-                facing_after += other * eye_after[row, column, k]
-                along += chord * eye[row, column, k]
+                chord = positions[r, c, k] - positions[row, column, k]
+                alike += normals[row, column, k] * normals[r, c, k]
+                facing += normals[row, column, k] * to_eye[row, column, k]
+                facing_after += normals[r, c, k] * to_eye[r, c, k]
+                along += chord * to_eye[row, column, k]
                 squares += chord * chord
             steepest = max(min(facing, facing_after), _STEEPEST)
             aside = math.sqrt(max(squares - along * along, 0.0))
