@@ -60,8 +60,8 @@ def _frames(renderer: Renderer, amc: Amc, mesh: Mesh) -> Comparison:
         disc = held.enter_context(renderer.upload(MatcapMaterial, isotropic_matcap(amc)))
         return compare(
             f"{FRAMES} frames of 512² of a torus of {len(mesh.triangles)} triangles, CPU time",
-            ("AMC of 128² × 64", _drawing(held, renderer, table.look(), mesh)),
-            ("plain MatCap of 128²", _drawing(held, renderer, disc.look(), mesh)),
+            ("AMC of 128² × 64", drawing(held, renderer, table.look(), mesh)),
+            ("plain MatCap of 128²", drawing(held, renderer, disc.look(), mesh)),
             goal="≤ 2",
             clock=time.process_time,
         )
@@ -75,13 +75,13 @@ def _low_rank(renderer: Renderer, amc: Amc, rank: int) -> Comparison:
         pictures = held.enter_context(renderer.upload(LowRankMaterial, compress(amc, rank)))
         return compare(
             f"The same from {rank} basis pictures: {100 * memory:.0f} % of the memory, {cost.psnr_db:.0f} dB, CPU time",
-            (f"low rank {rank}", _drawing(held, renderer, pictures.look(), FINE)),
-            ("AMC of 128² × 64", _drawing(held, renderer, table.look(), FINE)),
+            (f"low rank {rank}", drawing(held, renderer, pictures.look(), FINE)),
+            ("AMC of 128² × 64", drawing(held, renderer, table.look(), FINE)),
             clock=time.process_time,
         )
 
 
-def _drawing(held: ExitStack, renderer: Renderer, look: Look, mesh: Mesh) -> Callable[[], None]:
+def drawing(held: ExitStack, renderer: Renderer, look: Look, mesh: Mesh) -> Callable[[], None]:
     geometry = held.enter_context(renderer.upload(mesh_geometry, mesh))
     target = held.enter_context(renderer.upload(Target, SIZE))
 

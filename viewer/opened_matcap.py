@@ -22,7 +22,7 @@ from viewer.materials.decomposed_matcap import DecomposedMatcapMaterial
 from viewer.motion import Course, Moment
 from viewer.refusals import is_decomposed, refuse_amc_staging
 from viewer.renderer import Renderer
-from viewer.staging import PtmStaging, Staging
+from viewer.staging import MatcapStaging, PtmStaging, Staging
 
 
 @contextmanager
@@ -37,6 +37,7 @@ def decomposed_looks(renderer: Renderer, file: Path, staging: Staging, _geometry
     refuse_amc_staging(file, staging, "a MatCap")
     light = _light(file, staging)
     said = staging.matcap
+    _refuse_idle(file, staging)
     matcaps = [edited(file, said.recipe), *(_read_other(other) for other in said.others)]
     if said.others and said.variation.materials is None:
         raise InputError(f"{said.others[0]}: where it goes was not said; give --material-ids, or leave out --with")
@@ -103,6 +104,21 @@ def _light(file: Path, staging: Staging) -> tuple[float, float]:
     if lights and not math.hypot(*lights[0]) <= 1:
         raise InputError(f"{file}: light {lights[0][0]:g} {lights[0][1]:g} is no direction; keep U² + V² within 1")
     return lights[0] if lights else (0.0, 0.0)
+
+
+def _refuse_idle(file: Path, staging: Staging) -> None:
+    """Refuse what would change nothing, for something else was left out.
+
+    Raises
+    ------
+    InputError
+        There is an occlusion of one half without any occlusion, or a roughness without its picture.
+    """
+    said, plain = staging.matcap, MatcapStaging()
+    if said.occlusion != plain.occlusion and not staging.occluded and said.variation.openness is None:
+        raise InputError(f"{file}: --occlusion-of has nothing to choose; give --occlusion or --occlusion-map too")
+    if said.variation.roughest_deg != plain.variation.roughest_deg and said.variation.roughness is None:
+        raise InputError(f"{file}: --roughest needs to know where; give --roughness-texture too")
 
 
 def _read_other(file: Path) -> DecomposedMatcap:

@@ -16,6 +16,9 @@ from litrig.base.table_normals import TableNormal
 from processing.amc.isotropic import isotropic_matcap
 from processing.amc.low_rank import compress
 from processing.amc.model import Amc, TangentAngle
+from processing.matcap.lights.model import Disc
+from processing.matcap.silhouette import Silhouette
+from processing.matcap.variation import Variation
 from processing.mesh.builtin import cloth, torus
 from processing.mesh.fields import painted, turned
 from processing.mesh.model import Mesh
@@ -111,6 +114,25 @@ def decomposed(renderer: Renderer) -> F32:
         return of_look(material.look(), renderer, CLOTH)
 
 
+def varied(renderer: Renderer) -> F32:
+    """Light that is turned, a silhouette, a painted light, patches of colour, roughness that grows, two materials."""
+    plain = analytic(64)
+    low = replace(plain.low, silhouette=Silhouette(40, 0.5, 1.0), light_turn_deg=(0, 50, 0))
+    painted_on = Disc(colour=(1, 0.9, 0.6), direction=(0.3, 0.7, 0.65), size_deg=14)
+    edited = replace(plain, low=low, high=replace(plain.high, light_turn_deg=(0, 50, 0), lights=(painted_on,)))
+    blue = replace(plain, low=replace(plain.low, base_colour=(0.1, 0.2, 0.6)))
+    row, column = np.mgrid[:6, :12]
+    patches = np.where(((row + column) % 2 == 0)[..., None], [1.0, 1, 1], [0.5, 0.9, 0.4]).astype(np.float32)
+    growing = np.repeat(np.linspace(0, 1, 16, dtype=np.float32)[:, None], 2, axis=1)
+    halves = np.array([[0.0, 0, 0, 1]], np.float32)
+    variation = Variation(low_colours=patches, roughness=growing, roughest=(0, 0.2), materials=halves)
+    with (
+        renderer.upload(DecomposedMatcapMaterial, edited, variation, 0) as first,
+        renderer.upload(DecomposedMatcapMaterial, blue, variation, 1) as second,
+    ):
+        return of_look(replace(first.look(), others=(second.look(),)), renderer, TORUS)
+
+
 def recomposed(renderer: Renderer) -> F32:
     buffers = scene.buffers()
     picture = recomposed_picture(renderer, buffers, scene.environments(), scene.bumped(buffers.normals))
@@ -172,6 +194,7 @@ PICTURES: dict[str, Drawn] = {
     "amc-split": summed,
     "matcap-sewn": matcap,
     "matcap-decomposed": decomposed,
+    "matcap-varied": varied,
     "shading-buffers": recomposed,
     "ptm": ptm(PTM, ONE_LIGHT),
     "ptm-lights": ptm(PTM, PtmShading(shading_lights(((0.7, 0.2), (-0.6, 0.4)), ((1, 0.5, 0.2), (0.1, 0.3, 0.9)), 12))),

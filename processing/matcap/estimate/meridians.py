@@ -78,10 +78,3 @@ def grid(count: int, size: int) -> tuple[F64, F64]:
 
 def _places(x: F64, y: F64, size: int) -> tuple[F64, F64]:
     return ((1 - y) * size - 1) / 2, ((1 + x) * size - 1) / 2
-
-
-def inside_disc(size: int) -> NDArray[np.bool_]:
-    """Return which pixels (S, S) have no share of what lies outside the disc."""
-    x, y = grid(size, size)
-    inside: NDArray[np.bool_] = np.hypot(x, y) <= 1 - 2 * _RIM_PX / size
-    return inside

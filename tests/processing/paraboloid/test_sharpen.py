@@ -59,7 +59,7 @@ def test_a_highlight_comes_nearer_to_the_sharp_one_and_keeps_its_light() -> None
 
 def test_large_maps_are_sharpened_as_small_ones_are() -> None:
     """A blur this large is taken back on smaller copies."""
-    small, large = (np.stack(sharpened(*blurred(*lamp(size, 12), 0.1), 0.1)) for size in (48, 96))
+    small, large = (np.stack(sharpened(*blurred(*lamp(size, 12), 0.1), 0.1, 4)) for size in (48, 96))
     soft = np.stack(blurred(*lamp(96, 12), 0.1))
     np.testing.assert_allclose(np.stack(resized(large[0], large[1], 48)), small, atol=0.02)
     assert large.max() > 1.2 * soft.max()
