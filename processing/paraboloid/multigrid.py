@@ -12,11 +12,14 @@ import numpy as np
 from scipy import ndimage
 
 from processing.paraboloid.multigrid_kernels import Spans, furthest, gather, relax, relax_some, residual, spread
+from processing.paraboloid.recombine import Recombination
 from processing.paraboloid.seam import F64, I64, Grid, Mask, Reads, ghosts
 
 _MOST_CYCLES = 40
 _COARSEST = 8
 _COARSEST_RELAXATIONS = 30
+_SLOW = 0.5
+"""Of the last cycle's change: more of it, and steps are combined from then on."""
 _EDGE = 3
 """Texels from what is known or across the seam. Coarse grids know these edges badly, so that errors there are slow to
 go; they are relaxed more often than the rest."""
@@ -111,20 +114,26 @@ def solve(levels: list[Level], values: F64, source: F64, tolerance: float) -> tu
     guess = pyramid[-1][0]
     guess[levels[-1].free] = given.mean()
     rooms = [_Room(*(np.zeros(level.shape) for _ in fields(_Room))) for level in levels]
-    change = 0.0
+    steps: Recombination | None = None
+    change = np.inf
     for depth in reversed(range(len(levels))):
         level = levels[depth]
         if depth + 1 < len(levels):
             coarse, guess = guess, pyramid[depth][0]
             spread(coarse, level.free, level.spans, guess)
         level.ghosts.refresh(guess)
-        before = np.empty_like(guess)
+        before, change = np.empty_like(guess), np.inf
         for _ in range(_MOST_CYCLES if depth == 0 else 2):
             np.copyto(before, guess)
             _cycle(levels, rooms, depth, guess, pyramid[depth][1])
-            change = furthest(guess, before, level.spans) / spread_of
+            last, change = change, furthest(guess, before, level.spans) / spread_of
             if change <= tolerance:
                 break
+            if depth == 0 and (steps or change > _SLOW * last):
+                steps = steps or Recombination()
+                missing = np.zeros(level.shape)
+                residual(guess, pyramid[0][1], level.free, level.spans, missing)
+                steps.improve(guess, missing)
     return guess, change
 
 
