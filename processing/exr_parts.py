@@ -78,13 +78,13 @@ def check_part(path: Path, head: Head, channels: list[str], data: Size, display:
     )
 
 
-def check_budget(path: Path, unpacked: int, most: int, ratio: int = LARGEST_RATIO) -> None:
-    """Refuse a file that unpacks to more than `most` bytes, or to more than `ratio` times its length."""
+def check_budget(path: Path, unpacked: int, most: int, *, free: int = FREE_BYTES, ratio: int = LARGEST_RATIO) -> None:
+    """Refuse a file that unpacks to more than `most` bytes, or to more than `free` and `ratio` times its length."""
     packed = path.stat().st_size
     require(path, unpacked <= most, f"unpacks to {unpacked:,} bytes, more than {most:,}; refused")
     require(
         path,
-        unpacked <= max(FREE_BYTES, packed * ratio),
+        unpacked <= max(free, packed * ratio),
         f"unpacks from {packed:,} to {unpacked:,} bytes, more than {ratio} to 1; refused",
     )
 

@@ -185,7 +185,7 @@ def read_environments(path: Path) -> Environments:
     )
     for head in heads:
         check_part(path, head, ["B", "G", "R"], (size, size), (size, size), _MEND)
-    check_budget(path, len(heads) * _texel_bytes(size), _LARGEST_BYTES, FLAT_RATIO)
+    check_budget(path, len(heads) * _texel_bytes(size), _LARGEST_BYTES, ratio=FLAT_RATIO)
     parts = read_parts(path, dict.fromkeys(names, (size, size, 3)), _MEND)
     return {number: _surface(number, meaning, parts) for number in sorted(meaning.diffuse)}
 

@@ -88,7 +88,7 @@ def taken_apart(quality: Quality, name: str) -> DecomposedMatcap:
     first, second = (
         Filter.of_size(estimate_filter_size(layer, clipped=unclipped).filter_size) for layer in (low, high)
     )
-    return decompose(low, high, layers.known, (first, second)).matcap
+    return decompose(low, high, layers.known, (first, second))
 
 
 @cache
