@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from processing.command_parts import JSON, PATH, FiniteRange, check_is_another, check_output
+from processing.command_parts import JSON, PATH, FiniteRange, check_kept, check_output
 
 if TYPE_CHECKING:
     import numpy as np
@@ -82,7 +82,7 @@ def estimate(
 
     if plot_path is not None:
         check_output(plot_path, ".png")
-        check_is_another(plot_path, image)
+        check_kept([plot_path], [image])
     layer, known, clipped = _layer(image, component)
     regions = [Region(*roi) for roi in rois] or None
     try:

@@ -119,7 +119,7 @@ def read_matcap(path: Path) -> DecomposedMatcap:
             channels = ["B", "G", "R"]
         check_part(path, head, channels, (width, height), (size, size), _MEND)
         shapes[head.name] = (height, width, len(channels))
-    check_budget(path, sum(4 * int(np.prod(shape)) for shape in shapes.values()), _LARGEST_BYTES, _FREE_BYTES)
+    check_budget(path, sum(4 * int(np.prod(shape)) for shape in shapes.values()), _LARGEST_BYTES, free=_FREE_BYTES)
     parts = read_parts(path, shapes, _MEND)
     low, high = (
         told.component(

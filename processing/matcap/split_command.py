@@ -14,7 +14,7 @@ from processing.command_parts import (
     PATH,
     PICTURES,
     FiniteRange,
-    check_is_another,
+    check_kept,
     check_output,
     echo_clipped,
     echo_facts,
@@ -151,14 +151,11 @@ def split(image: Path, outputs: tuple[Path, Path], blend: "Blend", as_json: bool
     IMAGE is square, the disc inscribed in it; what lies outside, and what is not opaque, is no data. LOW is the
     brightest matt shading that fits under it.
     """
-    from litrig.base.errors import InputError
     from processing.matcap.disc_file import write_layers
 
     for output in outputs:
         check_output(output, *PICTURES)
-        check_is_another(output, image)
-    if outputs[0].resolve() == outputs[1].resolve():
-        raise InputError(f"{outputs[0]}: is to be LOW and HIGH; give each a name of its own")
+    check_kept(outputs, [image])
     separation = separated(image)
     whole = (separation.low + separation.high).astype("float32")
     echo_clipped(outputs[0], whole)

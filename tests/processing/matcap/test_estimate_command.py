@@ -71,7 +71,7 @@ def test_a_degenerate_region_is_valid_json_too(picture: Path) -> None:
 def test_a_plot_is_not_drawn_over_the_picture(tmp_path: Path) -> None:
     (tmp_path / "x.png").write_bytes(b"mine")
     result = CliRunner().invoke(matcap, ["estimate", str(tmp_path / "x.png"), "--plot", str(tmp_path / "x.png")])
-    assert "x.png: would be written over" in str(result.exception)
+    assert "x.png: is read; write to another name" in str(result.exception)
     assert (tmp_path / "x.png").read_bytes() == b"mine"
 
 

@@ -99,8 +99,8 @@ def test_what_is_no_number_is_wrong_usage(tmp_path: Path, option: str) -> None:
         pytest.param((8, 9, 3), "l.png", "9 × 8 is no MatCap", id="not square"),
         pytest.param((8, 8, 3), "l.txt", "cannot be written as .txt", id="ending"),
         pytest.param((8, 8, 3), "no/l.png", "folder .* does not exist", id="folder"),
-        pytest.param((8, 8, 3), "x.png", "x.png: would be written over", id="its own input"),
-        pytest.param((8, 8, 3), "h.png", "h.png: is to be LOW and HIGH", id="one file for both"),
+        pytest.param((8, 8, 3), "x.png", "x.png: is read; write to another name", id="its own input"),
+        pytest.param((8, 8, 3), "h.png", "h.png: is to be written twice", id="one file for both"),
     ],
 )
 def test_what_cannot_be_split_is_refused_and_nothing_written(
