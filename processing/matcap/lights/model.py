@@ -14,7 +14,9 @@ from pydantic import AfterValidator, Field, model_validator
 from litrig.base.config import StrictModel
 
 F32 = NDArray[np.float32]
-LightColour = tuple[float, float, float]
+Strength = Annotated[float, Field(ge=-1e30, le=1e30)]
+"""Of light. Maps are of 32 bits, and end at 3e38."""
+LightColour = tuple[Strength, Strength, Strength]
 Angle = Annotated[float, Field(ge=-1e6, le=1e6)]
 """In degrees; of larger numbers of turns floats keep too little."""
 Degrees = Annotated[float, Field(gt=0, le=180)]

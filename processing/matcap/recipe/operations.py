@@ -7,10 +7,10 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from litrig.base.config import StrictModel
-from processing.matcap.lights.model import Angle, Degrees, LightColour
+from processing.matcap.lights.model import Angle, Degrees, LightColour, Strength
 
 Spot2 = tuple[Annotated[float, Field(ge=-1, le=1)], Annotated[float, Field(ge=-1, le=1)]]
-NotNegative = Annotated[float, Field(ge=0)]
+NotNegative = Annotated[float, Field(ge=0, le=1e30)]
 Axis = Literal["x", "y", "z"] | tuple[float, float, float]
 
 
@@ -183,8 +183,8 @@ class Outline(_Operation):
     op: Literal["silhouette"] = "silhouette"
     component: Which = Which.BOTH
     start_deg: Annotated[float, Field(ge=0, lt=90)] = 45.0
-    rise: float = 0.5
-    slope: float = 0.0
+    rise: Strength = 0.5
+    slope: Strength = 0.0
 
 
 class Take(_Operation):

@@ -90,6 +90,7 @@ def test_an_edited_file_holds_everything_that_was_done(gold: Path, tmp_path: Pat
         (["--rotate", "nan,0,1", 30], "'nan,0,1' is no axis"),
         (["--paint", 1, 1, 5, 1, 1, 1], "is not on the ball"),
         (["--gain", -1, 1], "greater than or equal to 0"),
+        (["--paint", 0, 0, 5, 1e300, 1, 1], "less than or equal to 10000000000"),
         (["--silhouette", 90, 1, 1], "less than 90"),
         (["--roughness", -4], "greater than or equal to 0"),
         (["--roughness", 1e300], "less than or equal to 180"),
@@ -128,7 +129,7 @@ def test_a_step_that_cannot_be_done_is_named_with_its_recipe(tmp_path: Path, ste
 @pytest.mark.parametrize("ending", ["png", "exr"])
 def test_a_ball_brighter_than_floats_is_refused(gold: Path, tmp_path: Path, ending: str) -> None:
     with pytest.raises(InputError, match=rf"y\.{ending}: the ball is brighter than files can hold"):
-        run("edit", gold, "-o", tmp_path / f"y.{ending}", "--gain", 1e308, 1)
+        run("edit", gold, "-o", tmp_path / f"y.{ending}", "--gain", 1e30, 1, "--value", 1e30)
     assert not (tmp_path / f"y.{ending}").exists()
 
 
