@@ -91,6 +91,6 @@ def test_it_goes_with_its_component_into_a_matcap_of_larger_maps() -> None:
 
 
 def test_a_component_brighter_than_its_floats_lacks_what_is_finite() -> None:
-    bright = dataclasses.replace(analytic(16).low, base_colour=(1e60, 1.0, 1.0))
+    bright = dataclasses.replace(analytic(16).low, base_colour=(1e305, 1.0, 1.0))
     kept = with_remainder(bright, np.full((16, 16, 3), 0.5)).remainder
     assert kept is not None and np.all(np.isfinite(kept))
