@@ -80,7 +80,7 @@ def _shade(
 
     from litrig.base.pictures import write_exr, write_picture
     from processing.shape.blend import recompose_regions
-    from processing.shape.buffers_exr import read_buffers
+    from processing.shape.buffers_exr import NORMALS, read_buffers
     from processing.shape.displayable import displayable
     from processing.shape.editing.edit import edit
     from processing.shape.recompose import recompose as shade_again
@@ -106,5 +106,5 @@ def _shade(
     write_picture(output, shown)
     if normals_out is not None:
         channels = {f"normal.{axis}": np.ascontiguousarray(edited.normals[..., k]) for k, axis in enumerate("XYZ")}
-        write_exr(normals_out, channels, {"litrig.kind": "normals"})
+        write_exr(normals_out, channels, {"litrig.kind": NORMALS})
     click.echo(f"{output}: {picture.shape[1]} × {picture.shape[0]} pixels, {np.mean(changed):.1%} of them changed")
