@@ -5,7 +5,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from benchmarks import oracle_estimate, oracle_synthesis, oracle_tables
+from benchmarks import oracle_estimate, oracle_shape, oracle_synthesis, oracle_tables
 from firmware_sim.mitsuba.variants import FAST, best_variant
 from tests.oracle.shoot import LAMP_SHARE, LIGHTS, SLICES, TRUTH_FACTOR, Studio
 
@@ -94,12 +94,16 @@ A ring within two standard deviations of the pole has two modes in its window, f
 median at most .5 % for spots and rings and 1 % for edges, the 90th percentile 2 % where there is one mode.
 
 {filter_sizes}
+
+## Shape edited after rendering
+
+{shape}
 """
 SLOW = " This variant is slow, so pixels and samples are fewer than with LLVM."
 
 
-def page(studio: Studio) -> str:
-    """Measure all tables and return the page."""
+def page(studio: Studio, pictures: Path) -> str:
+    """Measure all tables, write pictures, and return the page."""
     return TEXT.format(
         version=importlib.metadata.version("mitsuba"),
         variant=studio.variant,
@@ -120,6 +124,7 @@ def page(studio: Studio) -> str:
         seeds=oracle_synthesis.SEEDS,
         picks=oracle_synthesis.picks(),
         filter_sizes=oracle_estimate.filter_sizes(),
+        shape=oracle_shape.sections(studio.variant, studio.folder, pictures),
     )
 
 
@@ -127,8 +132,9 @@ def main() -> None:
     variant = best_variant()
     side_px, samples = (SIDE_PX, SAMPLES) if variant == FAST else (SLOW_SIDE_PX, SLOW_SAMPLES)
     with tempfile.TemporaryDirectory() as name:
-        text = page(Studio(variant, side_px, samples, Path(name)))
-    Path(sys.argv[1]).write_text(text, encoding="utf-8")
+        target = Path(sys.argv[1])
+        text = page(Studio(variant, side_px, samples, Path(name)), target.parent / "pictures")
+    target.write_text(text, encoding="utf-8")
     sys.stdout.write(text)
 
 
