@@ -5,10 +5,9 @@ from functools import partial
 import numpy as np
 import quadprog
 from numpy.typing import NDArray
-from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from benchmarks.measure import Comparison, compare
+from processing.paraboloid.direct import solve_directly
 from processing.paraboloid.harmonic_fill import fill
 from processing.paraboloid.maps import texel_directions
 from processing.paraboloid.multigrid import levels
@@ -113,17 +112,9 @@ def _filling() -> Comparison:
 
 
 def _directly(light: list[F64], known: list[NDArray[np.bool_]], within: NDArray[np.bool_]) -> list[F64]:
-    """Solve the same equations, ghosts among the unknowns."""
-    grid = map_grid(SIZE)
     given = np.pad(np.stack(known) & within, ((0, 0), (MARGIN, MARGIN), (MARGIN, MARGIN)))
-    level = next(iter(levels(grid, given)))
-    count, side = given.size, grid.side
-    free = np.flatnonzero(level.free)
-    rows = [np.repeat(free, 4), np.repeat(level.ghosts.targets, 4)]
-    columns = [(free[:, None] + np.array([-1, 1, -side, side])).ravel(), level.ghosts.sources.ravel()]
-    weights = [np.full(4 * len(free), 0.25), level.ghosts.weights.ravel()]
-    reads = sparse.csr_array((np.concatenate(weights), (np.concatenate(rows), np.concatenate(columns))), (count, count))
-    matrix = sparse.csc_array(sparse.eye_array(count) - reads)
-    fixed = np.stack([np.pad(half, ((MARGIN, MARGIN), (MARGIN, MARGIN), (0, 0))) for half in light]).reshape(-1, 3)
-    solved = splu(matrix).solve(np.where(given.reshape(-1, 1), fixed, 0)).reshape(2, side, side, 3)
+    level = next(iter(levels(map_grid(SIZE), given)))
+    fixed = np.stack([np.pad(half, ((MARGIN, MARGIN), (MARGIN, MARGIN), (0, 0))) for half in light])
+    values = [np.where(given, fixed[..., c], 0) for c in range(3)]
+    solved = np.stack(solve_directly(level, values, [np.zeros(given.shape)] * 3), axis=-1)
     return list(solved[:, MARGIN:-MARGIN, MARGIN:-MARGIN])

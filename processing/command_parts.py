@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -79,6 +79,19 @@ def check_output(output: Path, *endings: str) -> None:
         raise InputError(f"{output}: cannot be written as {named}; end it in {' or '.join(endings)}")
     if not output.absolute().parent.is_dir():
         raise InputError(f"{output}: the folder {output.parent} does not exist; create it first")
+
+
+def check_kept(outputs: Sequence[Path | None], inputs: Sequence[Path]) -> None:
+    """Refuse to write over what is read, or one output over the other."""
+    from litrig.base.errors import InputError
+
+    taken = {path.resolve(): "is read; write to another name" for path in inputs}
+    for output in outputs:
+        if output is None:
+            continue
+        if (place := output.resolve()) in taken:
+            raise InputError(f"{output}: {taken[place]}")
+        taken[place] = "is to be written twice; give each output a name of its own"
 
 
 def check_folder(folder: Path) -> None:

@@ -78,14 +78,14 @@ def check_part(path: Path, head: Head, channels: list[str], data: Size, display:
     )
 
 
-def check_budget(path: Path, unpacked: int, most: int) -> None:
-    """Refuse a file that unpacks to more than `most` bytes, or to much more than it is long."""
+def check_budget(path: Path, unpacked: int, most: int, *, free: int = FREE_BYTES, ratio: int = LARGEST_RATIO) -> None:
+    """Refuse a file that unpacks to more than `most` bytes, or to more than `free` and `ratio` times its length."""
     packed = path.stat().st_size
     require(path, unpacked <= most, f"unpacks to {unpacked:,} bytes, more than {most:,}; refused")
     require(
         path,
-        unpacked <= max(FREE_BYTES, packed * LARGEST_RATIO),
-        f"unpacks from {packed:,} to {unpacked:,} bytes, more than {LARGEST_RATIO} to 1; refused",
+        unpacked <= max(free, packed * ratio),
+        f"unpacks from {packed:,} to {unpacked:,} bytes, more than {ratio} to 1; refused",
     )
 
 

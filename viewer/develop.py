@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
+from litrig.base.radiometry import LUMINANCE
 
 Floats = NDArray[np.floating]
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 _MOST_STOPS = 30.0
 
 
@@ -53,7 +53,7 @@ class Development:
         light: Floats = picture[..., :3] * picture.dtype.type(2.0**self.exposure_ev)
         if self.tone is Tone.REINHARD:
             light = np.maximum(light, 0)
-            light = light / (1 + light @ _LUMINANCE.astype(picture.dtype))[..., None]
+            light = light / (1 + light @ LUMINANCE.astype(picture.dtype))[..., None]
         elif self.tone is Tone.FILMIC:
             light = _filmic(np.maximum(light, 0))
         return np.concatenate([light, picture[..., 3:]], axis=-1)

@@ -1,6 +1,7 @@
 """From shading buffers to the picture under other normals."""
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from processing.shape.editing.edit import edit
 from processing.shape.editing.operations import Recipe
 from processing.shape.editing.recipe_toml import read_recipe
 from processing.shape.env_exr import read_environments
+from processing.shape.extended.blend import recompose_regions
 from viewer.materials.shading_buffers import recomposed_picture
 from viewer.refusals import refuse_amc_staging, refuse_matcap_staging
 from viewer.renderer import Renderer
@@ -39,8 +41,8 @@ def render_buffers(file: Path, output: Path, staging: Staging) -> tuple[int, int
     recipe = Recipe() if told.recipe is None else read_recipe(told.recipe)
     edited = edit(replace(buffers, normals=normals), recipe, say)
     with Renderer() as renderer:
-        picture = recomposed_picture(
-            renderer,
+        picture = recompose_regions(
+            partial(recomposed_picture, renderer),
             buffers,
             read_environments(environment),
             edited.normals,

@@ -10,6 +10,9 @@ F32 = NDArray[np.float32]
 U8 = NDArray[np.uint8]
 Codes = NDArray[np.uint8] | NDArray[np.uint16]
 
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+"""What red, green and blue of linear sRGB count for in luminance (Rec. 709)."""
+
 
 def decode_srgb(encoded: NDArray[np.floating]) -> F32:
     """Turn sRGB display values 0..1 into linear light 0..1 (IEC 61966-2-1)."""

@@ -3,9 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from litrig.base.radiometry import LUMINANCE
+
 Colour = tuple[float, float, float]
 
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 # What is as bright as the brightest within one step of 8 bits counts as the patch, lest one noisy pixel decides.
 _AS_BRIGHT = 1 - 1 / 256
 _LEAST_SHARE = 1 / 256
@@ -27,7 +28,7 @@ def white_patch(picture: NDArray[np.floating], mask: NDArray[np.bool_]) -> Colou
     base_colour : three finite numbers above 0
     """
     colours = np.asarray(picture[mask], np.float64)
-    luminance = colours @ _LUMINANCE
+    luminance = colours @ LUMINANCE
     if not luminance.size or not luminance.max() > 0:
         return 1.0, 1.0, 1.0
     patch = colours[luminance >= _AS_BRIGHT * luminance.max()].mean(axis=0)

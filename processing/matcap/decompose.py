@@ -1,7 +1,7 @@
 """A MatCap taken apart into two dual paraboloid maps of white light and what the material makes of it (section 4).
 
 Each component is divided by its base colour, and spread over all directions by its slope; what the disc does not show
-is filled in.
+is filled in. What the maps lack of the disc is kept beside them.
 """
 
 import math
@@ -13,24 +13,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
-from litrig.base.radiometry import encode_srgb
 from litrig.base.table_normals import TableNormal
 from processing.matcap.base_colour import white_patch
-from processing.matcap.disc import check_disc, disc_normals, rim_distances_px, spread_out
+from processing.matcap.disc import check_disc, disc_normals, spread_out
 from processing.matcap.filter import slope_of
+from processing.matcap.half_floats import rounded
 from processing.matcap.model import Component, DecomposedMatcap
+from processing.matcap.remainder import with_remainder
 from processing.matcap.unwarping.blind_spot import filled_from_rim, lay_painted, lay_spot, rim_place
-from processing.matcap.unwarping.fit import fit
-from processing.matcap.unwarping.warp import map_densities, unwarped
+from processing.matcap.unwarping.warp import unwarped
 
 F32 = NDArray[np.float32]
 Bools = NDArray[np.bool_]
 Fill = Literal["guided", "harmonic"]
 
 SMALLEST_SIZE, LARGEST_BY_DEFAULT, LARGEST_SIZE = 64, 2048, 8192
-OUTERMOST_PX = 2.0
-"""How near to the rim pixels need not be given back: ever more of them share a texel."""
-_ROOM = 2.0
+_FINER = 2
 _ALIGNED = 16
 
 
@@ -58,23 +56,6 @@ class Filter:
         return cls((math.sqrt(0.09 + 4.4 * (1 - slope)) - 0.3) / 2.2, slope)
 
 
-@dataclass(frozen=True)
-class Decomposition:
-    """A MatCap taken apart, and how well it can be put together.
-
-    Attributes
-    ----------
-    matcap : the two components
-    largest_departure : of display values 0..1, between the disc drawn from the maps and the picture, the two outermost
-        pixels left out
-    departing : share of those pixels that depart by more than one step of 8 bits
-    """
-
-    matcap: DecomposedMatcap
-    largest_departure: float
-    departing: float
-
-
 def decompose(
     low: NDArray[np.floating],
     high: NDArray[np.floating],
@@ -86,7 +67,7 @@ def decompose(
     painted: tuple[F32, F32] | None = None,
     table_normal: TableNormal = TableNormal.RECTIFIED,
     source: str = "",
-) -> Decomposition:
+) -> DecomposedMatcap:
     """Take a MatCap apart whose low and high frequencies are known.
 
     Parameters
@@ -94,7 +75,7 @@ def decompose(
     low, high : (S, S, 3) linear light ≥ 0 whose sum is the MatCap
     known : (S, S), the pixels that show the sphere; None for all of the disc
     filters : of the low and of the high one
-    size : side of the maps; by default one that gives back every pixel of the disc, up to 2048
+    size : side of the maps; by default twice that of the disc, up to 2048
     fill : how the blind spot goes on from its rim
     painted : back maps of low and high, (P, P, 3) white light, whose blind spot is taken instead
     table_normal : how pictures in perspective are to ask the maps
@@ -116,48 +97,34 @@ def decompose(
     seen = inside if known is None else inside & known
     if not seen.any():
         raise InputError("no pixel of the disc is left; mask less")
-    chosen_size = size or fitting_size(len(low), filters)
+    chosen_size = size or fitting_size(len(low))
     if not SMALLEST_SIZE // 8 <= chosen_size <= LARGEST_SIZE:
         raise InputError(f"maps of {chosen_size} texels on a side; give 8 to {LARGEST_SIZE}")
 
-    def made(index: int) -> tuple[Component, F32]:
+    def made(index: int) -> Component:
         layer = np.asarray((low, high)[index], np.float32)
         given = None if painted is None else painted[index]
         return _component(layer, seen, filters[index], chosen_size, fill, given)
 
     with ThreadPoolExecutor() as pool:
-        (low_part, low_drawn), (high_part, high_drawn) = pool.map(made, range(2))
-    checked = seen & (rim_distances_px(len(low)) >= OUTERMOST_PX)
-    off = np.abs(encode_srgb(low_drawn + high_drawn) - encode_srgb(np.asarray(low + high)))[checked]
-    return Decomposition(
-        DecomposedMatcap(low_part, high_part, table_normal, source, picture_size=len(low)),
-        float(off.max(initial=0)),
-        float(np.mean(off.max(axis=1) > 1 / 255)) if len(off) else 0.0,
-    )
+        low_part, high_part = pool.map(made, range(2))
+    return DecomposedMatcap(low_part, high_part, table_normal, source, picture_size=len(low))
 
 
-def fitting_size(side: int, filters: tuple[Filter, Filter]) -> int:
-    """Return the least size of maps that hold every pixel of a disc of that side, but no more than 2048."""
-    outer = 1 - (OUTERMOST_PX + 0.5) / (side / 2)
-    radii = np.linspace(min(0.01, outer / 2) if outer > 0 else 0.01, max(outer, 0.02), 400)
-    density = min(float(map_densities(radii, chosen.slope).min()) for chosen in filters)
-    wanted = math.ceil(_ROOM * side / density / _ALIGNED) * _ALIGNED
-    return min(max(wanted, SMALLEST_SIZE), LARGEST_BY_DEFAULT)
+def fitting_size(side: int) -> int:
+    """Return the side of maps that lose little of a disc of that side: twice as much, from 64 to 2048."""
+    return min(max(math.ceil(_FINER * side / _ALIGNED) * _ALIGNED, SMALLEST_SIZE), LARGEST_BY_DEFAULT)
 
 
-def _component(
-    layer: F32, known: Bools, chosen: Filter, size: int, fill: Fill, painted: F32 | None
-) -> tuple[Component, F32]:
-    """Make a component, and draw the disc from it (S, S, 3)."""
+def _component(layer: F32, known: Bools, chosen: Filter, size: int, fill: Fill, painted: F32 | None) -> Component:
     colour = white_patch(layer, known)
     balanced = np.divide(layer, np.array(colour, np.float32), dtype=np.float32)
     disc = spread_out(balanced, known)
-    front, back = unwarped(disc, chosen.slope, size)
-    drawn = fit(front, back, disc, known, chosen.slope)
+    sides = unwarped(disc, chosen.slope, size)
     spot, reach = filled_from_rim(disc, chosen.slope, guided=fill == "guided"), rim_place(chosen.slope, len(layer))
-    for texels, behind in ((front, False), (back, True)):
+    for texels, behind in zip(sides, (False, True), strict=True):
         lay_spot(texels, spot, reach, behind=behind)
         if painted is not None:
             lay_painted(texels, painted, chosen.slope, behind=behind)
-    component = Component(front, back, colour, chosen.slope, chosen.size)
-    return component, drawn * np.asarray(colour, np.float32)
+    front, back = (rounded(texels) for texels in sides)
+    return with_remainder(Component(front, back, colour, chosen.slope, chosen.size), disc)

@@ -43,7 +43,7 @@ _WHITE = 1 - 1 / 512
     "--size",
     type=click.IntRange(8, 8192),
     metavar="S",
-    help="Side of the maps. By default as large as gives every pixel back, up to 2048.",
+    help="Side of the maps. By default twice that of the picture, up to 2048.",
 )
 @click.option(
     "--blind-spot",
@@ -108,19 +108,12 @@ def decompose(
         table_normal=TableNormal(normal),
         source=source,
     )
-    write_matcap(output, found.matcap)
-    facts: dict[str, Any] = {"file": str(output), "size": len(found.matcap.low.front)}
-    for name, component in (("low", found.matcap.low), ("high", found.matcap.high)):
+    write_matcap(output, found)
+    facts: dict[str, Any] = {"file": str(output), "size": len(found.low.front)}
+    for name, component in (("low", found.low), ("high", found.high)):
         facts[f"{name}_filter_size"] = round(component.filter_size, 5)
         facts[f"{name}_slope"] = round(component.slope, 4)
         facts[f"{name}_base_colour"] = [round(value, 5) for value in component.base_colour]
-    facts["largest_departure"] = round(found.largest_departure, 5)
-    facts["departing"] = round(found.departing, 6)
-    if found.departing > 0:
-        remarks.append(
-            f"{found.departing:.2%} of the pixels are finer than the maps hold, and are drawn off by up to "
-            f"{found.largest_departure * 255:.0f} of 255; a larger --size holds more"
-        )
     for remark in remarks:
         click.echo(remark, err=True)
     echo_facts(facts, as_json)

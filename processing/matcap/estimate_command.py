@@ -3,16 +3,22 @@
 import json
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
 from processing.command_parts import JSON, PATH, check_output
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from processing.matcap.estimate.estimate import FilterEstimate, Kind
     from processing.matcap.estimate.region_estimate import RegionEstimate
     from processing.matcap.estimate.rules import Rule
+
+Component = Literal["low", "high", "whole"]
+_WHITE = 1 - 1 / 512
 
 
 @click.command(epilog="Example: litrig matcap estimate brass.png --roi 310 120 9 9 --plot signatures.png")
@@ -25,6 +31,13 @@ if TYPE_CHECKING:
     metavar="X Y W H",
     multiple=True,
     help="Region around a sharp light, in pixels from the upper left corner; can be given again. By default found.",
+)
+@click.option(
+    "--component",
+    type=click.Choice(["low", "high", "whole"]),
+    default="high",
+    show_default=True,
+    help="What is asked: the low or the high frequencies, as litrig matcap split makes them, or the picture as it is.",
 )
 @click.option(
     "--rule",
@@ -50,6 +63,7 @@ if TYPE_CHECKING:
 def estimate(
     image: Path,
     rois: tuple[tuple[int, int, int, int], ...],
+    component: Component,
     rule: "Rule",
     of: "Kind",
     quantile: float | None,
@@ -58,24 +72,23 @@ def estimate(
 ) -> None:
     """Estimate how much a MatCap's material blurs light: its filter size ν, its slope μ(ν), its base colour.
 
-    The sharpest light decides: its blur is taken for the material's alone.
+    The sharpest light decides: its blur is taken for the material's alone. Low and high frequencies have filters of
+    their own.
     """
     from litrig.base.errors import InputError
-    from litrig.base.pictures import read_linear
     from processing.matcap.base_colour import white_patch
     from processing.matcap.estimate.estimate import estimate_filter_size
-    from processing.matcap.estimate.meridians import inside_disc
     from processing.matcap.estimate.regions import Region
 
     if plot_path is not None:
         check_output(plot_path, ".png")
-    picture = read_linear(image)
+    layer, known, clipped = _layer(image, component)
     regions = [Region(*roi) for roi in rois] or None
     try:
-        found = estimate_filter_size(picture, regions, of=of, rule=rule, quantile=quantile)
+        found = estimate_filter_size(layer, regions, of=of, rule=rule, quantile=quantile, clipped=clipped)
     except InputError as error:
         raise InputError(f"{image}: {error}") from error
-    colour = white_patch(picture, inside_disc(picture.shape[0]))
+    colour = white_patch(layer, known)
     if plot_path is not None:
         from processing.matcap.estimate.plot import plot_signatures
 
@@ -93,6 +106,24 @@ def estimate(
         click.echo(("* " if index == found.chosen else "  ") + _line(region))
     if plot_path is not None:
         click.echo(f"{plot_path}: signatures")
+
+
+def _layer(image: Path, component: Component) -> "tuple[NDArray[np.float32], NDArray[np.bool_], NDArray[np.bool_]]":
+    """Return one layer of a picture, the pixels known of it, and those that were too bright for the file."""
+    import numpy as np
+
+    from litrig.base.pictures import DISPLAY_ENDINGS
+    from processing.matcap.disc_file import read_disc
+    from processing.matcap.separation.known import known_pixels
+    from processing.matcap.separation.separate import separate
+
+    disc = read_disc(image)
+    ends_at_white = image.suffix.lower() in DISPLAY_ENDINGS
+    clipped = disc.colours.max(axis=2) >= (_WHITE if ends_at_white else np.inf)
+    if component == "whole":
+        return disc.colours, known_pixels(disc.colours, disc.covered), clipped
+    layers = separate(disc.colours, covered=disc.covered, source=str(image))
+    return (layers.low if component == "low" else layers.high).astype(np.float32), layers.known, clipped
 
 
 def _line(region: "RegionEstimate") -> str:

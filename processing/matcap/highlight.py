@@ -3,13 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from litrig.base.radiometry import LUMINANCE
 from processing.matcap.lights.bake import baked
 from processing.matcap.model import Component
 from processing.paraboloid.blur import blurred
 from processing.paraboloid.maps import texel_directions
 
 F64 = NDArray[np.float64]
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 _STEADY_RAD = 0.05
 _AS_BRIGHT = 0.7
 
@@ -27,7 +27,7 @@ def main_highlight(component: Component) -> F64:
     squared = (directions[0, ..., :2] ** 2).sum(axis=-1)
     within = np.broadcast_to((squared <= 1) & (directions[0, ..., 2] >= 0), (2, size, size))
     area = np.broadcast_to((1 + directions[0, ..., 2]) ** 2, within.shape)[within]
-    light = (np.stack(sides) @ _LUMINANCE)[within]
+    light = (np.stack(sides) @ LUMINANCE)[within]
     towards = directions[within]
     brightest = towards[np.argmax(light)]
     near = (towards @ brightest > np.cos(np.radians(30))) & (light >= _AS_BRIGHT * light.max())

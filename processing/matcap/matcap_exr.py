@@ -1,8 +1,8 @@
 """`.matcap.exr` files: decomposed MatCaps as multi-part OpenEXR that any program can look into.
 
 Parts `low.front`, `low.back`, `high.front`, `high.back`, each R, G, B in linear light, all of one square size; then
-`low.picture.0` and so on, R, G, B, A, for pictures that hang in the light. Every part says `litrig.kind` and, as JSON,
-`litrig.matcap`.
+`low.remainder` and `high.remainder`, R, G, B, where the maps lack something; then `low.picture.0` and so on,
+R, G, B, A, for pictures that hang in the light. Every part says `litrig.kind` and, as JSON, `litrig.matcap`.
 """
 
 from pathlib import Path
@@ -14,6 +14,7 @@ from pydantic import ValidationError
 
 from litrig.base.errors import FormatError, InputError
 from processing.exr_parts import check_budget, check_part, listed, read_heads, read_parts, require, write_parts
+from processing.matcap.half_floats import compact
 from processing.matcap.meaning import Meaning
 from processing.matcap.model import DecomposedMatcap
 
@@ -22,7 +23,10 @@ KEY = "litrig.matcap"
 ENDING = ".matcap.exr"
 LARGEST_SIDE = 8192
 _LARGEST_BYTES = 8 << 30
+_FREE_BYTES = 256 << 20
+"""More than maps of 2048² take: where light is even, or black, they pack to nearly nothing."""
 _NAMES = ("low.front", "low.back", "high.front", "high.back")
+_REMAINDERS = ("low.remainder", "high.remainder")
 _MEND = "copy it, or take the MatCap apart again"
 _PICTURE_SIDE = 16384
 
@@ -43,8 +47,12 @@ def write_matcap(path: Path, matcap: DecomposedMatcap) -> None:
     if not size or any(texels.shape != (size, size, 3) for texels in maps):
         shapes = ", ".join(str(texels.shape) for texels in maps)
         raise InputError(f"{path}: maps {shapes} are no decomposed MatCap; give four of (S, S, 3)")
+    remainders = _remainder_parts(matcap)
+    for name, texels in remainders.items():
+        if texels.ndim != 3 or texels.shape != (len(texels), len(texels), 3) or not texels.size:
+            raise InputError(f"{path}: an array {texels.shape} is no {name}; give (P, P, 3)")
     pictures = _picture_parts(matcap)
-    if not all(np.all(np.isfinite(texels)) for texels in (*maps, *pictures.values())):
+    if not all(np.all(np.isfinite(texels)) for texels in (*maps, *remainders.values(), *pictures.values())):
         raise InputError(f"{path}: a map holds what is no number; mend it")
     try:
         meaning = Meaning.of(matcap)
@@ -58,10 +66,9 @@ def write_matcap(path: Path, matcap: DecomposedMatcap) -> None:
         "litrig.kind": KIND,
         KEY: meaning.model_dump_json(),
     }
-    named = [*zip(_NAMES, maps, strict=True), *pictures.items()]
+    named = [*zip(_NAMES, maps, strict=True), *remainders.items(), *pictures.items()]
     parts = [
-        OpenEXR.Part({**header, "name": name}, {"RGBA"[: texels.shape[2]]: np.ascontiguousarray(texels, np.float32)})
-        for name, texels in named
+        OpenEXR.Part({**header, "name": name}, {"RGBA"[: texels.shape[2]]: compact(texels)}) for name, texels in named
     ]
     write_parts(path, parts)
 
@@ -97,26 +104,38 @@ def read_matcap(path: Path) -> DecomposedMatcap:
         raise FormatError(f"{path}: {KEY} {_first(error)}; {_MEND}") from error
     counts = {"low": len(meaning.low.pictures), "high": len(meaning.high.pictures)}
     hung = [_picture_name(which, number) for which, count in counts.items() for number in range(count)]
-    require(path, names == [*_NAMES, *hung], f"has parts {listed(names)}, not {listed([*_NAMES, *hung])}; {_MEND}")
+    remainders = [name for name in _REMAINDERS if name in names]
+    wanted = [*_NAMES, *remainders, *hung]
+    require(path, names == wanted, f"has parts {listed(names)}, not {listed(wanted)}; {_MEND}")
     shapes: dict[str, tuple[int, ...]] = dict.fromkeys(_NAMES, (size, size, 3))
     for head in heads[: len(_NAMES)]:
         check_part(path, head, ["B", "G", "R"], (size, size), (size, size), _MEND)
     for head in heads[len(_NAMES) :]:
         width, height = head.data
         require(path, 0 < width <= _PICTURE_SIDE and 0 < height <= _PICTURE_SIDE, f"part {head.name} is none; {_MEND}")
-        check_part(path, head, ["A", "B", "G", "R"], (width, height), (size, size), _MEND)
-        shapes[head.name] = (height, width, 4)
-    check_budget(path, sum(4 * int(np.prod(shape)) for shape in shapes.values()), _LARGEST_BYTES)
+        channels = ["A", "B", "G", "R"]
+        if head.name in remainders:
+            require(path, width == height, f"part {head.name} is {width} × {height}, and not square; {_MEND}")
+            channels = ["B", "G", "R"]
+        check_part(path, head, channels, (width, height), (size, size), _MEND)
+        shapes[head.name] = (height, width, len(channels))
+    check_budget(path, sum(4 * int(np.prod(shape)) for shape in shapes.values()), _LARGEST_BYTES, free=_FREE_BYTES)
     parts = read_parts(path, shapes, _MEND)
     low, high = (
         told.component(
             parts[f"{which}.front"]["RGB"],
             parts[f"{which}.back"]["RGB"],
             [parts[_picture_name(which, number)]["RGBA"] for number in range(len(told.pictures))],
+            parts[name]["RGB"] if (name := f"{which}.remainder") in parts else None,
         )
         for which, told in (("low", meaning.low), ("high", meaning.high))
     )
     return DecomposedMatcap(low, high, meaning.table_normal, meaning.source, meaning.picture_size)
+
+
+def _remainder_parts(matcap: DecomposedMatcap) -> dict[str, NDArray[np.float32]]:
+    both = zip(_REMAINDERS, (matcap.low.remainder, matcap.high.remainder), strict=True)
+    return {name: texels for name, texels in both if texels is not None}
 
 
 def _picture_parts(matcap: DecomposedMatcap) -> dict[str, NDArray[np.float32]]:

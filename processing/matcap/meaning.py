@@ -11,7 +11,7 @@ from processing.matcap.lights.model import F32, Hung, Light, Picture
 from processing.matcap.model import STILL, Component, DecomposedMatcap
 from processing.matcap.silhouette import Silhouette
 
-VERSION = 2
+VERSION = 3
 _NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 _Number = Annotated[float, Field(allow_inf_nan=False)]
 _Turn = tuple[_Number, _Number, _Number]
@@ -33,8 +33,8 @@ class ComponentMeaning(BaseModel, frozen=True, extra="forbid"):
     lights: tuple[Annotated[Light, Field(discriminator="shape")], ...] = ()
     pictures: tuple[Picture, ...] = ()
 
-    def component(self, front: F32, back: F32, texels: list[F32]) -> Component:
-        """Return what is meant, with its maps and the texels of its pictures."""
+    def component(self, front: F32, back: F32, texels: list[F32], remainder: F32 | None) -> Component:
+        """Return what is meant, with its maps, the texels of its pictures, and what the maps lack."""
         silhouette = self.silhouette
         return Component(
             front=front,
@@ -47,11 +47,15 @@ class ComponentMeaning(BaseModel, frozen=True, extra="forbid"):
             normal_turn_deg=self.normal_turn_deg,
             lights=self.lights,
             pictures=tuple(Hung(*pair) for pair in zip(self.pictures, texels, strict=True)),
+            remainder=remainder,
         )
 
 
 class Meaning(BaseModel, frozen=True, extra="forbid"):
-    """The JSON itself. Version 1, which does not say so, had the first three parameters of a component alone."""
+    """The JSON itself.
+
+    Version 1, which does not say so, had the first three parameters of a component alone, and version 2 no remainders.
+    """
 
     version: Annotated[int, Field(ge=1, le=VERSION)] = 1
     low: ComponentMeaning

@@ -29,6 +29,8 @@ class Component:
     light_turn_deg : the turn of the light, about the axis of this vector by its length in degrees, view frame
     normal_turn_deg : another one, of what the maps show at a normal, as the MatCap paper's section 5.1 words it
     lights, pictures : added to the maps' light, in the maps' frame, before the filter
+    remainder : (P, P, 3) float32, what the maps lack of the disc that they were made of, white-balanced like them; it
+        may be negative. None is nothing
     """
 
     front: F32
@@ -41,6 +43,7 @@ class Component:
     normal_turn_deg: Turn = STILL
     lights: tuple[Light, ...] = ()
     pictures: tuple[Hung, ...] = ()
+    remainder: F32 | None = None
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import map_coordinates
 from scipy.spatial.transform import Rotation
 
 from processing.matcap.disc import disc_normals
@@ -13,6 +14,8 @@ F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
 DEFAULT_SIDE_PX = 512
+FADED_DEG = 1.0
+_ROUNDING = 1e-6
 
 
 def disc_picture(matcap: DecomposedMatcap, size: int | None = None) -> F32:
@@ -49,7 +52,41 @@ def shaded(matcap: DecomposedMatcap, normals: F64) -> F64:
 def component_light(component: Component, normals: F64) -> F64:
     """Return what one component adds at unit normals (N, 3): its light in `seen` directions times its energy."""
     whole = baked(component)
-    return lookup(whole.front, whole.back, seen(whole, normals)) * energy(whole, normals)
+    directions = seen(whole, normals)
+    light = lookup(whole.front, whole.back, directions) + remaining(whole, directions)
+    return np.maximum(light, 0) * energy(whole, normals)
+
+
+def remaining(component: Component, directions: F64) -> F64:
+    """Return what the maps lack in their directions (N, 3), as far as the turn of the light lets it be seen: (N, 3).
+
+    Directions that no normal of the disc shows lack nothing.
+    """
+    share = remainder_share(Rotation.from_rotvec(component.light_turn_deg, degrees=True))
+    if component.remainder is None or not share:
+        return np.zeros((len(directions), 3))
+    normals = unwarped(directions, component.slope)
+    size = len(component.remainder)
+    across, down = (1 + normals[:, 0]) / 2 * size - 0.5, (1 - normals[:, 1]) / 2 * size - 0.5
+    shares = np.where(normals[:, 2] > -_ROUNDING, share, 0)
+    return np.stack(
+        [
+            shares * map_coordinates(component.remainder[..., channel], [down, across], np.float64, 1, mode="nearest")
+            for channel in range(3)
+        ],
+        axis=1,
+    )
+
+
+def remainder_share(light_turn: Rotation) -> float:
+    """Return how much of a remainder is seen: 1 under light that is turned about the view axis alone, 0 from 1° off it.
+
+    Details of the rim crowd round one direction behind. There they come apart as they went in; elsewhere they would be
+    needles.
+    """
+    axis = light_turn.apply([0.0, 0.0, 1.0])
+    off_deg = float(np.degrees(np.arctan2(np.hypot(axis[0], axis[1]), axis[2])))
+    return max(0.0, 1 - off_deg / FADED_DEG)
 
 
 def energy(component: Component, normals: F64) -> F64:

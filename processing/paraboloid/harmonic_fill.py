@@ -5,6 +5,7 @@ those beyond the unit circle being read on the other half (`seam`). The Shape pa
 equation by finite elements on a tessellated sphere.
 """
 
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -12,7 +13,8 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from litrig.base.errors import InputError
-from processing.paraboloid.multigrid import levels, solve
+from processing.paraboloid.direct import MOST_DIRECTLY, solve_directly
+from processing.paraboloid.multigrid import Level, levels, solve
 from processing.paraboloid.seam import F64, MARGIN, Floats, Grid, Mask, across, bordered, ghosts, map_grid
 
 F32 = NDArray[np.float32]
@@ -45,7 +47,8 @@ def fill(
     Raises
     ------
     InputError
-        Shapes contradict each other, nothing is known, or what is known is no finite number.
+        Shapes contradict each other, nothing is known, what is known is no finite number, or a hole is so large and
+        ragged that neither multigrid nor factors of its matrix fill it.
     """
     size, channels = _checked(front, back, known_front, known_back, source)
     grid = map_grid(size)
@@ -65,7 +68,9 @@ def fill(
     # The loops let go of the interpreter's lock.
     with ThreadPoolExecutor(max_workers=2) as pool:
         jobs = [pool.submit(solve, grids, v, s, tolerance) for v, s in zip(values, sources, strict=True)]
-        solved = [job.result() for job in jobs]
+        solved, changes = zip(*(job.result() for job in jobs), strict=True)
+    if not max(changes) <= tolerance:
+        solved = _otherwise(grids[0], solved, sources, max(changes))
     table, inner = ghosts(grid), slice(MARGIN, -MARGIN)
     for plane in solved:
         table.refresh(plane)
@@ -75,6 +80,17 @@ def fill(
         for mask, given, one in zip((known_front, known_back), (front, back), whole, strict=True)
     ]
     return filled[0], filled[1]
+
+
+def _otherwise(level: Level, values: Sequence[F64], sources: list[F64], change: float) -> list[F64]:
+    """Solve what multigrid did not."""
+    unknown = int(np.count_nonzero(level.free))
+    if unknown > MOST_DIRECTLY:
+        raise InputError(
+            f"environment map: filling {unknown} texels still changes by {change:.1g} of what is known after many "
+            "steps; take a smaller map"
+        )
+    return solve_directly(level, values, sources)
 
 
 def _checked(

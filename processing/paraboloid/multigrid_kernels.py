@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.kernels import kernel
-from processing.paraboloid.seam import F64, Mask
+from processing.paraboloid.seam import F64, I64, Mask
 
 Spans = NDArray[np.int64]
 
@@ -27,6 +27,26 @@ def relax(values: F64, source: F64, free: Mask, spans: Spans, colour: int) -> No
                         + values[half, row, column + 1]
                         - source[half, row, column]
                     )
+
+
+@kernel
+def relax_some(values: F64, source: F64, places: I64, side: int) -> None:
+    """Solve texels at places in flattened grids, each for itself."""
+    for at in places:
+        values[at] = 0.25 * (values[at - side] + values[at + side] + values[at - 1] + values[at + 1] - source[at])
+
+
+@kernel
+def furthest(values: F64, before: F64, spans: Spans) -> float:
+    """Return the largest change; what is no number is infinitely far."""
+    most = 0.0
+    for half in range(values.shape[0]):
+        for row in range(1, values.shape[1] - 1):
+            for column in range(spans[half, row, 0], spans[half, row, 1]):
+                change = abs(values[half, row, column] - before[half, row, column])
+                if not change <= most:
+                    most = change if change > most else np.inf
+    return most
 
 
 @kernel

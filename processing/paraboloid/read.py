@@ -1,7 +1,9 @@
 """Reading dual paraboloid maps between their texels."""
 
 import numpy as np
+from numpy.typing import NDArray
 
+from litrig.base.kernels import kernel
 from processing.paraboloid.maps import F64, Floats, places
 
 
@@ -14,12 +16,22 @@ def lookup(front: Floats, back: Floats, directions: Floats) -> F64:
     """
     in_front, columns, rows = places(directions)
     size = front.shape[0]
-    x, y = (np.clip(place * size - 0.5, 0, size - 1) for place in (columns, rows))
-    left, top = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
-    right, bottom = np.minimum(left + 1, size - 1), np.minimum(top + 1, size - 1)
-    along, down = (x - left)[..., None], (y - top)[..., None]
-    texels = np.stack([front, back])
-    side = np.where(in_front, 0, 1)
-    above = texels[side, top, left] * (1 - along) + texels[side, top, right] * along
-    below = texels[side, bottom, left] * (1 - along) + texels[side, bottom, right] * along
-    return np.asarray(above * (1 - down) + below * down, np.float64)
+    # The kernel reads anywhere: fmax takes what is no number to an edge as well.
+    x, y = (np.fmin(np.fmax(place * size - 0.5, 0), size - 1).ravel() for place in (columns, rows))
+    values = np.zeros((x.size, front.shape[2]))
+    for texels, here in ((front, in_front), (back, ~in_front)):
+        _read(np.ascontiguousarray(texels), np.flatnonzero(here), x, y, values)
+    return values.reshape(*in_front.shape, front.shape[2])
+
+
+@kernel
+def _read(texels: Floats, which: NDArray[np.int64], x: F64, y: F64, values: F64) -> None:
+    last = texels.shape[0] - 1
+    for i in which:
+        left, top = int(x[i]), int(y[i])
+        right, bottom = min(left + 1, last), min(top + 1, last)
+        along, down = x[i] - left, y[i] - top
+        for k in range(values.shape[1]):
+            above = texels[top, left, k] * (1 - along) + texels[top, right, k] * along
+            below = texels[bottom, left, k] * (1 - along) + texels[bottom, right, k] * along
+            values[i, k] = above * (1 - down) + below * down

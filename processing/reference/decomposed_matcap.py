@@ -9,7 +9,7 @@ from litrig.base.table_normals import TableNormal, table_normals
 from processing.matcap.filter import slope_of
 from processing.matcap.lights.bake import baked
 from processing.matcap.model import Component, DecomposedMatcap
-from processing.matcap.render import energy, seen
+from processing.matcap.render import component_light, energy, seen
 from processing.matcap.variation import NONE, Variation
 from processing.mesh.model import Mesh
 from processing.paraboloid.chain import blur_chain, chain_side, level_of
@@ -81,9 +81,9 @@ def seen_normals(normals: F64, to_eye: F64, kind: TableNormal) -> F64:
 
 def _rough_light(component: Component, normals: F64, more: F64) -> F64:
     """Return the light (N, 3) of a material whose filter size is larger by `more` (N,) from normal to normal."""
-    whole = baked(component)
     if not np.any(more):
-        return lookup(whole.front, whole.back, seen(whole, normals)) * energy(whole, normals)
+        return component_light(component, normals)
+    whole = baked(component)
     blurs = blur_chain(whole.front, whole.back, float(np.max(more)))
     levels = [(whole.front, whole.back), *((pair[0], pair[1]) for pair in blurs)]
     places = np.minimum(level_of(more, chain_side(whole.front.shape[0])), len(levels) - 1)

@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from processing.paraboloid.read import lookup
 from processing.shape import harmonics
+from processing.shape.albedo import check_reflectance
 from processing.shape.model import Environments, ShadingBuffers
-from processing.shape.reflectance import check_reflectance
 
 F64 = NDArray[np.float64]
 Factor = float | NDArray[np.floating]

@@ -20,7 +20,7 @@ from processing.shape.buffers.camera import CameraSaid, world_to_camera
 from processing.shape.buffers.channels import Stored, read_channels
 from processing.shape.buffers.layers import Found, Layers, find_buffers
 from processing.shape.buffers.names import BUFFERS, DIALECTS, Recipe, parse_recipe
-from processing.shape.buffers.pixels import Pixels, decoded_normals, share, surface_numbers
+from processing.shape.buffers.pixels import LARGEST, Pixels, decoded_normals, share, surface_numbers
 from processing.shape.buffers.view import view_of
 from processing.shape.model import BACKGROUND, ShadingBuffers
 
@@ -44,10 +44,12 @@ class ReadOptions:
     ----------
     layers : by buffer, the layers it is made of
     camera : how it was seen
+    may_be_empty : that no surface is seen is no mistake, as in a frame of a sequence
     """
 
     layers: Mapping[str, Recipe] = field(default_factory=dict)
     camera: CameraSaid = field(default_factory=CameraSaid)
+    may_be_empty: bool = False
 
 
 def parse_layers(words: tuple[str, ...]) -> dict[str, Recipe]:
@@ -95,11 +97,11 @@ def read_buffers(path: Path, options: ReadOptions | None = None, tell: Tell | No
     made = {name: layers.make(one.recipe, name) for name, one in found.items() if name not in _UNREAD}
     surfaces, coverage = _surfaces(path, layers, found, made, tell)
     pixels = Pixels(path, surfaces, tell)
-    pixels.check_seen()
-    pixels.check_numbers("picture", made["picture"], "holds pixels that are no numbers")
-    for name in ("diffuse", "reflection", "normal", "albedo", "reflection_albedo"):
+    if not options.may_be_empty:
+        pixels.check_seen()
+    for name in ("picture", "diffuse", "reflection", "normal", "albedo", "reflection_albedo"):
         if name in made:
-            pixels.check_numbers(name, made[name], f"layer {name} holds no numbers")
+            pixels.check_numbers(name, made[name])
     made = straightened(made, coverage, pixels.shown, tell)
     normals = decoded_normals(made["normal"], pixels.shown, tell)
     seen = view_of(path, stored, found, made, options.camera, pixels, tell)
@@ -172,7 +174,7 @@ def read_normals(path: Path, buffers: ShadingBuffers, tell: Tell | None = None, 
             "one a pixel"
         )
     shown = buffers.surfaces != BACKGROUND
-    lost = int(np.count_nonzero(~np.isfinite(normals[shown]).all(axis=-1)))
+    lost = int(np.count_nonzero(~(np.abs(normals[shown]) < LARGEST).all(axis=-1)))
     require(path, not lost, f"holds no numbers in {lost} pixels of surfaces; mend it")
     normals = decoded_normals(normals, shown, tell or (lambda _: None))
     normals = np.where(shown[..., None], normals, 0).astype(np.float32)

@@ -19,6 +19,7 @@ from pydantic import BaseModel, Field, ValidationError, model_validator
 from litrig.base.errors import FormatError, InputError
 from litrig.base.version import litrig_version
 from processing.exr_parts import check_budget, check_part, listed, read_heads, read_parts, require, write_parts
+from processing.limits import FLAT_RATIO
 from processing.shape.harmonics import TERMS
 from processing.shape.model import Environments, Region, SurfaceEnvironment
 
@@ -77,6 +78,31 @@ class _Meaning(BaseModel, frozen=True, extra="forbid"):
         return self
 
 
+def check_room(path: Path, surfaces: int, regions: int, size: int) -> None:
+    """Refuse before the work more environments than a file holds.
+
+    Parameters
+    ----------
+    regions : of each surface; 1 is none
+    size : of the maps, texels a side
+
+    Raises
+    ------
+    InputError
+        They are too many, or too large together.
+    """
+    if surfaces > MOST_SURFACES:
+        raise InputError(
+            f"{path}: holds {MOST_SURFACES} surfaces at most, and not {surfaces}; choose those to edit with --surface"
+        )
+    total = surfaces * (1 + regions if regions > 1 else 1) * 2 * _texel_bytes(size)
+    if total > _LARGEST_BYTES:
+        raise InputError(
+            f"{path}: would hold {total / 2**30:.1f} GiB of environments, and takes {_LARGEST_BYTES >> 30} at most; "
+            "choose surfaces with --surface, or a smaller --size"
+        )
+
+
 def write_environments(path: Path, environments: Environments, source: str = "") -> None:
     """Write environments; the file is whole or not there.
 
@@ -96,6 +122,7 @@ def write_environments(path: Path, environments: Environments, source: str = "")
     size = next(iter(maps.values())).shape[0] if maps else 0
     if not size or any(texels.shape != (size, size, 3) for texels in maps.values()):
         raise InputError(f"{path}: maps of {len(environments)} surfaces are not square and of one size; give (S, S, 3)")
+    check_room(path, len(environments), max(len(one.regions) for one in environments.values()), size)
     if not all(np.all(np.isfinite(texels)) for texels in maps.values()):
         raise InputError(f"{path}: a map holds what is no number; mend it")
     try:
@@ -158,9 +185,14 @@ def read_environments(path: Path) -> Environments:
     )
     for head in heads:
         check_part(path, head, ["B", "G", "R"], (size, size), (size, size), _MEND)
-    check_budget(path, len(heads) * 3 * 4 * size * size, _LARGEST_BYTES)
+    check_budget(path, len(heads) * _texel_bytes(size), _LARGEST_BYTES, ratio=FLAT_RATIO)
     parts = read_parts(path, dict.fromkeys(names, (size, size, 3)), _MEND)
     return {number: _surface(number, meaning, parts) for number in sorted(meaning.diffuse)}
+
+
+def _texel_bytes(size: int) -> int:
+    """Size of one half's texels."""
+    return 3 * 4 * size * size
 
 
 def _surface(number: int, meaning: _Meaning, parts: Mapping[str, Mapping[str, F32]]) -> SurfaceEnvironment:

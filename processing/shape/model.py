@@ -52,6 +52,11 @@ class ShadingBuffers:
         return height, width
 
     @cached_property
+    def seen(self) -> list[int]:
+        """Numbers of the surfaces that are seen, in their order."""
+        return [number for number in np.unique(self.surfaces).tolist() if number != BACKGROUND]
+
+    @cached_property
     def to_eye(self) -> F32:
         """Unit directions (H, W, 3) from the surface to the eye, v; z where there is no surface."""
         towards = -self.positions
@@ -73,8 +78,8 @@ class SurfaceEnvironment:
     front, back : (S, S, 3) float32, dual paraboloid map over the mirrored view direction, as `paraboloid.maps`; R(r)
     diffuse_is_illumination, reflection_is_illumination : D or R is light before the material's albedo, which varies
         over the surface and is multiplied back (the paper's section 6)
-    regions : of an extended surface, whose light is not the same everywhere; `blend` says how they go over into one
-        another. All that is above is then that of the whole surface, for whoever does not care
+    regions : of an extended surface, whose light is not the same everywhere; `extended.blend` says how they go over
+        into one another. All that is above is then that of the whole surface, for whoever does not care
     falloff : standard deviation of their weights, in units of the positions
     """
 

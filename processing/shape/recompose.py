@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
 from litrig.base.kernels import kernel
+from processing.shape.albedo import check_reflectance
 from processing.shape.bands import in_bands
 from processing.shape.model import BACKGROUND, Environments, ShadingBuffers
-from processing.shape.reflectance import check_reflectance
 
 F32 = NDArray[np.float32]
 Factor = float | F32

@@ -1,12 +1,13 @@
 """`litrig shape recompose`."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from processing.command_parts import PATH, PICTURES, check_output, echo_clipped
+from processing.command_parts import PATH, PICTURES, check_kept, check_output, echo_clipped
 from processing.shape.buffers_options import buffers_options, say
 from processing.shape.edit_options import edit_options
 
@@ -40,58 +41,82 @@ def recompose(
     shot.####.exr: all frames that are there are shaded with the same environments. Masks, normals and height maps may
     be named so too.
     """
-    from litrig.base.errors import InputError
-    from processing.shape.editing.recipe_toml import ENDING, at_frame, write_recipe
+    from processing.shape.editing.recipe_toml import ENDING, at_frame, files_of, write_recipe
     from processing.shape.env_exr import read_environments
-    from processing.shape.frames import frame, frame_numbers, is_pattern
 
     check_output(output, *PICTURES)
     if normals_out is not None:
         check_output(normals_out, ".exr")
     if save_recipe is not None:
         check_output(save_recipe, ENDING)
-    for name in (output, *([normals_out] if normals_out else [])):
-        if is_pattern(name) != is_pattern(file):
-            raise InputError(f"{name}: write # for the number of a frame in the buffers' name and here, or in neither")
     recipe, options = make_recipe(), read_options()
+    jobs = _jobs(file, output, normals_out)
+    recipes = [recipe if job.number is None else at_frame(recipe, job.number) for job in jobs]
+    read = [path for job, edits in zip(jobs, recipes, strict=True) for path in (job.file, *files_of(edits))]
+    check_kept([path for job in jobs for path in (job.output, job.normals_out)], [environment, *read])
     environments = read_environments(environment)
-    if not is_pattern(file):
-        _shade(file, environments, recipe, options, output, normals_out, is_frame=False)
-    for number in frame_numbers(file) if is_pattern(file) else []:
-        normals = None if normals_out is None else frame(normals_out, number)
-        edits = at_frame(recipe, number)
-        _shade(frame(file, number), environments, edits, options, frame(output, number), normals, is_frame=True)
+    seen: set[int] = set()
+    for job, edits in zip(jobs, recipes, strict=True):
+        seen |= set(_shade(job, environments, edits, options))
+    if strange := sorted({number for one in recipe.edit for number in one.surfaces} - seen):
+        say(f"no frame shows surface {', '.join(map(str, strange))}")
     if save_recipe is not None:
         write_recipe(save_recipe, recipe)
         click.echo(f"{save_recipe}: {len(recipe.edit)} edits")
 
 
-def _shade(
-    file: Path,
-    environments: "Environments",
-    recipe: "Recipe",
-    options: "ReadOptions",
-    output: Path,
-    normals_out: Path | None,
-    *,
-    is_frame: bool,
-) -> None:
+@dataclass(frozen=True)
+class _Job:
+    """One picture to shade, and its number in a sequence."""
+
+    file: Path
+    output: Path
+    normals_out: Path | None = None
+    number: int | None = None
+
+
+def _jobs(file: Path, output: Path, normals_out: Path | None) -> list[_Job]:
+    from litrig.base.errors import InputError
+    from processing.shape.frames import frame, frame_numbers, is_pattern
+
+    for name in (output, *([normals_out] if normals_out else [])):
+        if is_pattern(name) != is_pattern(file):
+            raise InputError(f"{name}: write # for the number of a frame in the buffers' name and here, or in neither")
+    if not is_pattern(file):
+        return [_Job(file, output, normals_out)]
+    return [
+        _Job(frame(file, number), frame(output, number), normals_out and frame(normals_out, number), number)
+        for number in frame_numbers(file)
+    ]
+
+
+def _shade(job: _Job, environments: "Environments", recipe: "Recipe", options: "ReadOptions") -> list[int]:
+    """Shade one picture, and return the surfaces that it shows."""
+    from dataclasses import replace
+
     import numpy as np
 
+    from litrig.base.errors import InputError
     from litrig.base.pictures import write_exr, write_picture
-    from processing.shape.blend import recompose_regions
     from processing.shape.buffers_exr import NORMALS, read_buffers
     from processing.shape.displayable import displayable
     from processing.shape.editing.edit import edit
+    from processing.shape.extended.blend import recompose_regions
     from processing.shape.recompose import recompose as shade_again
 
-    buffers = read_buffers(file, options, say)
-    edited = edit(buffers, recipe, say, is_frame=is_frame)
+    is_frame = job.number is not None
+    buffers = read_buffers(job.file, replace(options, may_be_empty=is_frame), say)
+    try:
+        edited = edit(buffers, recipe, say, is_frame=is_frame)
+    except InputError as error:
+        if not is_frame:
+            raise
+        raise InputError(f"{job.file}: {error}") from error
     touched = np.any(edited.normals != buffers.normals, axis=-1)
     touched |= (edited.diffuse_factor != 1) | (edited.reflection_factor != 1)
     without = sorted(set(np.unique(buffers.surfaces[touched]).tolist()) - set(environments))
     if without:
-        say(f"{file.name}: no environment of surface {', '.join(map(str, without))}, which stays as it is")
+        say(f"{job.file.name}: no environment of surface {', '.join(map(str, without))}, which stays as it is")
     picture = recompose_regions(
         shade_again,
         buffers,
@@ -101,10 +126,11 @@ def _shade(
         reflection_factor=edited.reflection_factor,
     )
     changed = np.any(picture != buffers.picture, axis=-1) & (buffers.surfaces > 0)
-    shown = displayable(picture, output, say)
-    echo_clipped(output, shown)
-    write_picture(output, shown)
-    if normals_out is not None:
+    shown = displayable(picture, job.output, say)
+    echo_clipped(job.output, shown)
+    write_picture(job.output, shown)
+    if job.normals_out is not None:
         channels = {f"normal.{axis}": np.ascontiguousarray(edited.normals[..., k]) for k, axis in enumerate("XYZ")}
-        write_exr(normals_out, channels, {"litrig.kind": NORMALS})
-    click.echo(f"{output}: {picture.shape[1]} × {picture.shape[0]} pixels, {np.mean(changed):.1%} of them changed")
+        write_exr(job.normals_out, channels, {"litrig.kind": NORMALS})
+    click.echo(f"{job.output}: {picture.shape[1]} × {picture.shape[0]} pixels, {np.mean(changed):.1%} of them changed")
+    return buffers.seen

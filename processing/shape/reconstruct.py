@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
 from litrig.base.progress import Progress, Report, silent
+from processing.shape.albedo import illumination
 from processing.shape.diffuse.fit import DiffuseOptions, fit_diffuse
 from processing.shape.diffuse.hot_pixels import hot_pixels
-from processing.shape.extended import Light, with_regions
-from processing.shape.illumination import illumination
-from processing.shape.model import BACKGROUND, Environments, ShadingBuffers, SurfaceEnvironment
+from processing.shape.extended.environments import Light, with_regions
+from processing.shape.model import Environments, ShadingBuffers, SurfaceEnvironment
 from processing.shape.reflection.environment import ReflectionEnvironment, ReflectionOptions, reconstruct_reflection
 
 F32 = NDArray[np.float32]
@@ -83,7 +83,7 @@ def reconstruct(
         A surface is not seen, or none of its pixels can be used.
     """
     options = options or ReconstructOptions()
-    seen = [int(number) for number in np.unique(buffers.surfaces) if number != BACKGROUND]
+    seen = buffers.seen
     if surfaces is None and not seen:
         raise InputError("shading buffers: show no surface, only background; give a picture of something")
     wanted = seen if surfaces is None else sorted(set(surfaces))

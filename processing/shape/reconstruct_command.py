@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 
 import click
 
-from processing.command_parts import JSON, PATH, FiniteRange, check_output, echo_facts
+from processing.command_parts import JSON, PATH, FiniteRange, check_kept, check_output, echo_facts
 from processing.shape.buffers_options import buffers_options, say
 
 if TYPE_CHECKING:
@@ -144,7 +144,7 @@ def reconstruct(
     from litrig.base.pictures import DISPLAY_ENDINGS, write_codes
     from processing.shape.buffers_exr import read_buffers
     from processing.shape.diffuse.fit import DiffuseOptions
-    from processing.shape.env_exr import ENDING, write_environments
+    from processing.shape.env_exr import ENDING, check_room, write_environments
     from processing.shape.reconstruct import ReconstructOptions
     from processing.shape.reconstruct import reconstruct as reconstruct_from
     from processing.shape.reconstruction_sheet import reconstruction_sheet
@@ -154,6 +154,7 @@ def reconstruct(
     check_output(output, ENDING)
     if sheet is not None:
         check_output(sheet, *DISPLAY_ENDINGS)
+    check_kept([output, sheet], [file])
     options = ReconstructOptions(
         DiffuseOptions(method, ridge, never_negative),
         ReflectionOptions(size, interpolation, occlusion_threshold, Smoothness(normal_jump_deg, depth_jump), blur_deg),
@@ -161,6 +162,7 @@ def reconstruct(
         regions,
     )
     buffers = read_buffers(file, read_options(), say)
+    check_room(output, len(set(surfaces) or buffers.seen), regions, size)
     with reporting() as report:
         found = reconstruct_from(buffers, surfaces or None, options, report)
     with file.open("rb") as content:

@@ -10,7 +10,7 @@ from processing.shape.buffers.channels import read_channels
 from processing.shape.buffers.layers import Layers, find_buffers
 from processing.shape.buffers.names import BUFFERS
 from processing.shape.buffers_exr import ReadOptions, read_buffers
-from processing.shape.model import BACKGROUND, ShadingBuffers
+from processing.shape.model import ShadingBuffers
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def survey(path: Path, options: ReadOptions) -> Survey:
 
 def _surfaces(buffers: ShadingBuffers) -> dict[int, str]:
     told = {}
-    for number in np.unique(buffers.surfaces[buffers.surfaces != BACKGROUND]).tolist():
+    for number in buffers.seen:
         here = buffers.surfaces == number
         extent = np.ptp(buffers.positions[here], axis=0)
         size = "" if buffers.orthographic else f", {extent[0]:.3g} × {extent[1]:.3g} × {extent[2]:.3g} in the scene"

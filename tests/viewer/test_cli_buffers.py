@@ -1,5 +1,6 @@
 """Rendered pictures under other normals, as it is typed."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,8 @@ from processing.shape.editing.edit import edit
 from processing.shape.editing.operations import Emboss, Factors, Recipe, Ripple
 from processing.shape.editing.recipe_toml import write_recipe
 from processing.shape.env_exr import write_environments
+from processing.shape.extended.blend import recompose_regions
+from processing.shape.model import Region
 from processing.shape.recompose import recompose as recompose_quickly
 from tests.processing.shape.scene import buffers, bumped, environments
 from tests.processing.shape.stored import layers, write
@@ -67,6 +70,18 @@ def test_a_recipe_is_carried_out_on_the_card_as_on_the_processor(files: Path, tm
     truth = recompose_quickly(BUFFERS, LIGHT, edited.normals, **factors)
     drawn = read_linear(tmp_path / "x.exr")
     assert np.abs(truth - BUFFERS.picture).max() > 0.1
+    assert np.quantile(np.abs(encode_srgb(drawn) - encode_srgb(truth)), 0.999) <= 2 / 255
+
+
+def test_regions_of_an_extended_surface_are_blended_as_on_the_processor(files: Path, tmp_path: Path) -> None:
+    regions = tuple(Region(np.array([x, 0, -4], np.float32), LIGHT[number]) for x, number in ((-0.9, 2), (-0.2, 7)))
+    light = {2: replace(LIGHT[2], regions=regions, falloff=0.3), 7: LIGHT[7]}
+    write_environments(tmp_path / "x.env.exr", light)
+    words: list[str | Path | float] = ["--environment", tmp_path / "x.env.exr", "--normal-map", files / "bumps.exr"]
+    run(files / "scene.exr", "-o", tmp_path / "x.exr", *words)
+    truth = recompose_regions(recompose, BUFFERS, light, BUMPED)
+    assert np.abs(truth - recompose(BUFFERS, LIGHT, BUMPED)).max() > 0.1
+    drawn = read_linear(tmp_path / "x.exr")
     assert np.quantile(np.abs(encode_srgb(drawn) - encode_srgb(truth)), 0.999) <= 2 / 255
 
 

@@ -27,16 +27,20 @@ void main() {
 """
 MAIN = """
 uniform MatcapHalf low, high;
-uniform sampler2D low_front, low_back, high_front, high_back;
+uniform sampler2D low_front, low_back, high_front, high_back, low_remainder, high_remainder;
 in vec2 place;
 out vec3 shown;
 void main() {
     float rest = 1.0 - dot(place, place);
     if (rest <= 0.0) { shown = vec3(0.0); return; }
     vec3 n = vec3(place, sqrt(rest));
-    shown = matcap_light(low, low_front, low_back, n) + matcap_light(high, high_front, high_back, n);
+    shown = LOW + HIGH;
 }
 """
+CALLS = {
+    "LOW": "matcap_light(low, low_front, low_back, low_remainder, n)",
+    "HIGH": "matcap_light(high, high_front, high_back, high_remainder, n)",
+}
 PLAIN = analytic(64)
 EDITED = dataclasses.replace(
     PLAIN,
@@ -47,18 +51,39 @@ EDITED = dataclasses.replace(
 )
 
 
+LACKING = dataclasses.replace(
+    PLAIN,
+    high=dataclasses.replace(
+        PLAIN.high,
+        remainder=np.random.default_rng(1).normal(0, 0.2, (24, 24, 3)).astype(np.float32),
+        light_turn_deg=(0.3, 0.2, 30),
+        normal_turn_deg=(0, 30, 0),
+    ),
+)
+
+
 def drawn(head: str, matcap: DecomposedMatcap) -> np.ndarray:
     """Draw the ball by plain OpenGL: nothing of the renderer."""
     opened = open_context().moderngl
     with opened as context:
-        program = context.program(vertex_shader=head + VERTEX, fragment_shader=head + SNIPPET + MAIN)
         maps: dict[str, Component] = {"low": matcap.low, "high": matcap.high}
+        main = MAIN
+        for name, component in maps.items():
+            call = CALLS[name.upper()]
+            main = main.replace(
+                name.upper(), call if component.remainder is not None else call.replace(f" {name}_remainder,", "")
+            )
+        program = context.program(vertex_shader=head + VERTEX, fragment_shader=head + SNIPPET + main)
         kept: list[moderngl.Texture] = []
         for name, component in maps.items():
             for field, value in half(component).items():
-                program[f"{name}.{field}"] = value
-            for side in ("front", "back"):
+                if field != "remainder_share" or component.remainder is not None:
+                    program[f"{name}.{field}"] = value
+            for side in ("front", "back", "remainder"):
                 texels = getattr(component, side)
+                if texels is None:
+                    continue
+                texels = np.ascontiguousarray(texels)
                 texture = context.texture(texels.shape[:2], 3, texels.tobytes(), alignment=1, dtype="f4")
                 texture.repeat_x = texture.repeat_y = False
                 texture.use(len(kept))
@@ -73,7 +98,7 @@ def drawn(head: str, matcap: DecomposedMatcap) -> np.ndarray:
 
 
 @pytest.mark.parametrize("head", ["#version 330 core\n", "#version 300 es\nprecision highp float;\n"], ids=["GL", "ES"])
-@pytest.mark.parametrize("matcap", [PLAIN, EDITED], ids=["plain", "edited"])
+@pytest.mark.parametrize("matcap", [PLAIN, EDITED, LACKING], ids=["plain", "edited", "with a remainder"])
 def test_it_shows_what_litrig_shows(head: str, matcap: DecomposedMatcap) -> None:
     wanted = disc_picture(matcap, SIDE)
     assert wanted.std() > 0.1

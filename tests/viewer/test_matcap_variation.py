@@ -92,6 +92,27 @@ def test_turns_silhouettes_and_added_lights(renderer: Renderer) -> None:
     assert codes_apart(drawn(renderer, TURNED), truth(TURNED)) <= 2
 
 
+NEEDLES = RNG.normal(0, 0.3, (30, 30, 3)).astype(np.float32)
+LACKING = dataclasses.replace(
+    analytic(64),
+    low=dataclasses.replace(analytic(64).low, remainder=NEEDLES[:20, :20], light_turn_deg=(0, 0, 50)),
+    high=dataclasses.replace(analytic(64).high, remainder=NEEDLES, light_turn_deg=(0.2, 0.4, 0)),
+)
+
+
+@pytest.mark.parametrize("variation", [NONE, Variation(roughness=GREY, roughest=(0.0, 0.1))], ids=["plain", "rougher"])
+def test_what_the_maps_lack_is_added_where_neither_light_nor_roughness_changed(
+    renderer: Renderer, variation: Variation
+) -> None:
+    picture = drawn(renderer, LACKING, variation)
+    assert codes_apart(picture, truth(LACKING, variation)) <= 2
+    without = dataclasses.replace(LACKING, low=dataclasses.replace(LACKING.low, remainder=None))
+    assert np.abs(picture - truth(without, variation)).max() > 0.1
+    led = truth(dataclasses.replace(LACKING, low=dataclasses.replace(without.low, light_turn_deg=(0, 2, 50))))
+    tipped = dataclasses.replace(LACKING, low=dataclasses.replace(LACKING.low, light_turn_deg=(0, 2, 50)))
+    assert codes_apart(drawn(renderer, tipped), led) <= 2
+
+
 VARIATIONS = {
     "low colours": Variation(low_colours=COLOURS),
     "high colours": Variation(high_colours=COLOURS),

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from litrig.base.errors import InputError
 from processing.matcap.lights.bake import baked_matcap
 from processing.matcap.model import Component, DecomposedMatcap, Turn
+from processing.matcap.render import remainder_share
 from processing.matcap.variation import NONE, Variation
 from processing.paraboloid.chain import blur_chain, chain_side, variance_of
 from viewer.gl_context import GlContext
@@ -18,10 +19,14 @@ from viewer.materials.amc import TABLE_NORMAL_CODES
 
 F32 = NDArray[np.float32]
 BOTH_OCCLUDED = (1.0, 1.0)
+_NOTHING = np.zeros((1, 1, 3), np.float32)
 
 
 class DecomposedMatcapMaterial:
-    """Four maps, with smaller copies. Parameters are told with every draw, so that they can be edited."""
+    """Four maps and what they lack, with smaller copies.
+
+    Parameters are told with every draw, so that they can be edited.
+    """
 
     def __init__(self, gl: GlContext, matcap: DecomposedMatcap, variation: Variation = NONE, number: int = 0) -> None:
         """Upload, with the lights that were added.
@@ -40,6 +45,8 @@ class DecomposedMatcapMaterial:
         self._variation, self._number = variation, number
         low, high = matcap.low, matcap.high
         maps = {"low_front": low.front, "low_back": low.back, "high_front": high.front, "high_back": high.back}
+        for name, half_of in (("low", low), ("high", high)):
+            maps[f"{name}_remainder"] = _NOTHING if half_of.remainder is None else half_of.remainder
         self._textures = upload_maps(gl, "MatCap", maps)
         self.level_count = low.front.shape[0].bit_length()
         self._rougher = tuple(
@@ -87,6 +94,9 @@ class DecomposedMatcapMaterial:
         }
         for name, component in (("low", matcap.low), ("high", matcap.high)):
             uniforms |= {f"{name}.{field}": value for field, value in half(component, light_turn).items()}
+        for name, more in zip(("low", "high"), self._rougher, strict=True):
+            if more and self._variation.roughness is not None:
+                uniforms[f"{name}.remainder_share"] = 0.0
         textures = dict(self._textures)
         for name, (_, texture) in self._planes.items():
             textures[name] = texture
@@ -107,21 +117,27 @@ class DecomposedMatcapMaterial:
 def half(component: Component, light_turn: Rotation | None = None) -> dict[str, UniformValue]:
     """Return the fields of a `MatcapHalf` (litrig_matcap.glsl)."""
     silhouette = component.silhouette
+    turn = _whole(component.light_turn_deg, light_turn)
     return {
         "base_colour": component.base_colour,
         "slope": component.slope,
         "silhouette": (float(np.radians(silhouette.start_deg)), silhouette.rise, silhouette.slope),
-        "normals_back": _back(component.normal_turn_deg),
-        "light_back": _back(component.light_turn_deg, light_turn),
+        "normals_back": _back(_whole(component.normal_turn_deg)),
+        "light_back": _back(turn),
+        "remainder_share": 0.0 if component.remainder is None else remainder_share(turn),
     }
 
 
-def _back(turn_deg: Turn, then: Rotation | None = None) -> tuple[float, ...]:
-    """Return the inverse of a turn, and of another one on top of it, column by column."""
+def _whole(turn_deg: Turn, then: Rotation | None = None) -> Rotation:
+    """Return a turn, and another one on top of it."""
     turn = Rotation.from_rotvec(turn_deg, degrees=True)
-    whole = turn if then is None else then * turn
+    return turn if then is None else then * turn
+
+
+def _back(turn: Rotation) -> tuple[float, ...]:
+    """Return the inverse of a turn, column by column."""
     # The inverse is the transpose, and OpenGL reads columns.
-    return tuple(float(entry) for entry in whole.as_matrix().ravel())
+    return tuple(float(entry) for entry in turn.as_matrix().ravel())
 
 
 def _planes(variation: Variation) -> Sequence[tuple[str, str, F32 | None]]:

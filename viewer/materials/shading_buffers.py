@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
+from processing.shape.albedo import check_reflectance
 from processing.shape.model import BACKGROUND, Environments, ShadingBuffers, SurfaceEnvironment
-from processing.shape.reflectance import check_reflectance
 from viewer.geometry import whole_picture
 from viewer.gl_context import GlContext
 from viewer.look import Look, Texture

@@ -5,7 +5,8 @@
 //
 //     matcap_light(low, low_front, low_back, n) + matcap_light(high, high_front, high_back, n)
 //
-// in linear light, with n the unit normal as the camera sees it: x right, y up, z towards the camera.
+// in linear light, with n the unit normal as the camera sees it: x right, y up, z towards the camera. Where the file has
+// remainders, what the maps lack of the picture that they were made of, they can be given after the maps, filtered alike.
 
 struct MatcapHalf {
     vec3 base_colour;  // α₀
@@ -13,6 +14,7 @@ struct MatcapHalf {
     vec3 silhouette;   // θ₀ in radians, α₁, m₁; (0, 0, 0) for none
     mat3 normals_back; // undoes the turn of the normals; the unit matrix for none
     mat3 light_back;   // undoes the turn of the light
+    float remainder_share; // 1 where the light is not tipped off the view axis, 0 from one degree on, straight between
 };
 
 // The direction that a normal at an angle θ off the view axis shows: on the same side, at θ·(1 + μ).
@@ -43,9 +45,30 @@ vec2 matcap_place(vec3 direction, float side) {
     return vec2(0.5 + 0.5 * disc.x, 0.5 - 0.5 * disc.y);
 }
 
-vec3 matcap_light(MatcapHalf half_of, sampler2D front, sampler2D back, vec3 n) {
-    vec3 direction = matcap_seen(half_of, n);
+// The normal of the picture that showed a direction; none, with z < 0, showed those beyond its rim.
+vec3 matcap_source(MatcapHalf half_of, vec3 direction) {
+    return matcap_warped(direction, 1.0 / (1.0 + half_of.slope) - 1.0);
+}
+
+// How much of a remainder is seen there.
+float matcap_share(MatcapHalf half_of, vec3 source) {
+    return source.z > -1e-6 ? half_of.remainder_share : 0.0;
+}
+
+vec3 matcap_maps(sampler2D front, sampler2D back, vec3 direction) {
     vec3 in_front = textureLod(front, matcap_place(direction, 1.0), 0.0).rgb;
     vec3 behind = textureLod(back, matcap_place(direction, -1.0), 0.0).rgb;
-    return (direction.z >= 0.0 ? in_front : behind) * matcap_energy(half_of, n);
+    return direction.z >= 0.0 ? in_front : behind;
+}
+
+vec3 matcap_light(MatcapHalf half_of, sampler2D front, sampler2D back, vec3 n) {
+    return matcap_maps(front, back, matcap_seen(half_of, n)) * matcap_energy(half_of, n);
+}
+
+vec3 matcap_light(MatcapHalf half_of, sampler2D front, sampler2D back, sampler2D remainder, vec3 n) {
+    vec3 direction = matcap_seen(half_of, n);
+    vec3 source = matcap_source(half_of, direction);
+    vec3 lacking = textureLod(remainder, vec2(0.5 + 0.5 * source.x, 0.5 - 0.5 * source.y), 0.0).rgb;
+    vec3 light = matcap_maps(front, back, direction) + matcap_share(half_of, source) * lacking;
+    return max(light, vec3(0.0)) * matcap_energy(half_of, n);
 }

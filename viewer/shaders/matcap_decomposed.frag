@@ -12,6 +12,8 @@ uniform sampler2D low_front;
 uniform sampler2D low_back;
 uniform sampler2D high_front;
 uniform sampler2D high_back;
+uniform sampler2D low_remainder;
+uniform sampler2D high_remainder;
 uniform MatcapHalf low;
 uniform MatcapHalf high;
 uniform int table_normal;
@@ -50,6 +52,16 @@ const float EDGE_ON = 0.2;
 
 vec3 varied(sampler2D plane, vec2 place) {
     return (level < 0.0 ? texture(plane, place) : textureLod(plane, place, level)).rgb;
+}
+
+// What the maps lack in a direction.
+vec3 remaining(MatcapHalf half_of, sampler2D remainder, vec3 direction, float trust) {
+    if (half_of.remainder_share == 0.0) return vec3(0.0);
+    vec3 source = matcap_source(half_of, direction);
+    vec2 place = vec2(0.5 + 0.5 * source.x, 0.5 - 0.5 * source.y);
+    vec2 x = dFdx(place) * trust, y = dFdy(place) * trust;
+    vec3 lacking = level < 0.0 ? textureGrad(remainder, place, x, y).rgb : textureLod(remainder, place, level).rgb;
+    return matcap_share(half_of, source) * lacking;
 }
 
 #ifdef ROUGHNESS
@@ -92,6 +104,8 @@ void main() {
     low_light = blurred_by(low_light, low_front_blurs, low_back_blurs, low_seen, more.x);
     high_light = blurred_by(high_light, high_front_blurs, high_back_blurs, high_seen, more.y);
 #endif
+    low_light = max(low_light + remaining(here[0], low_remainder, low_seen, trust), vec3(0.0));
+    high_light = max(high_light + remaining(here[1], high_remainder, high_seen, trust), vec3(0.0));
     low_light *= matcap_energy(here[0], turned);
     high_light *= matcap_energy(here[1], turned);
 #ifdef LOW_COLOUR

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from litrig.base.radiometry import LUMINANCE
+
 F64 = NDArray[np.float64]
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 _PADDING_PX = 4
 # So far within the rim no pixel has a share of what lies outside it.
 _RIM_PX = 1.0
@@ -41,7 +42,7 @@ class Meridians:
         beyond the rim is replaced by its nearest neighbour in the disc, lest it bends the spline within.
         """
         size = matcap.shape[0]
-        luminance = np.asarray(matcap, np.float64) @ _LUMINANCE
+        luminance = np.asarray(matcap, np.float64) @ LUMINANCE
         x, y = grid(size + 2 * _PADDING_PX, size)
         radius = np.hypot(x, y)
         edge = 1 - 2 * _RIM_PX / size
@@ -78,10 +79,3 @@ def grid(count: int, size: int) -> tuple[F64, F64]:
 
 def _places(x: F64, y: F64, size: int) -> tuple[F64, F64]:
     return ((1 - y) * size - 1) / 2, ((1 + x) * size - 1) / 2
-
-
-def inside_disc(size: int) -> NDArray[np.bool_]:
-    """Return which pixels (S, S) have no share of what lies outside the disc."""
-    x, y = grid(size, size)
-    inside: NDArray[np.bool_] = np.hypot(x, y) <= 1 - 2 * _RIM_PX / size
-    return inside

@@ -15,6 +15,7 @@ F64 = NDArray[np.float64]
 SMALLEST_TEXELS, STEPS = 4, 80
 # Edges are smoothed by this share of the window, which takes the steps of 8 bits away; its variance comes off again.
 _SMOOTHING_SHARE, _LEAST_SMOOTHING_TEXELS = 1 / 8, 0.7
+_CALMING_SHARE = 1 / 12
 # What is smoothed by nearly its own width is not measured any more.
 _MOST_SMOOTHING = 0.4
 _SHARP_TEXELS = 3.0
@@ -69,7 +70,7 @@ def signatures_by_equation_6(meridians: Meridians, theta: F64, phi: F64, of: Of)
     """Ask as the paper has it, bar the sign of equation 6: windows that are full of lights, as if they had no ends."""
     windows = window_sizes(meridians)
     profiles = Profiles(meridians, theta, phi, of, windows[-1])
-    profile = profiles.smoothed(_LEAST_SMOOTHING_TEXELS * meridians.texel)
+    profile = profiles.smoothed(_LEAST_SMOOTHING_TEXELS * meridians.texel) if of == "edges" else profiles.raw()
     variances = np.full((len(theta), len(windows)), np.nan)
     cells = (2 * np.arange(_CELLS) + 1) / _CELLS - 1
     for index, window in enumerate(windows):
@@ -104,11 +105,13 @@ def _ask_smoothed(
 ) -> tuple[F64, F64, F64]:
     near = profiles.near(window)
     t = profiles.t[near]
-    profile: F64 = profiles.smoothed(smoothing)[:, near]
+    # Brightness need not be smoothed to be averaged, but noise has valleys.
+    calm = profiles.smoothed(smoothing or _CALMING_SHARE * window)[:, near]
+    profile = calm if smoothing else profiles.raw()[:, near]
     gaussian = np.exp(-4.5 * (t / window) ** 2)
     first, last = np.maximum(profiles.inner, -window), np.minimum(profiles.outer, window)
-    seen = profile * gaussian * profiles.share_between(first[:, None], last[:, None], near)
-    left, right = between_valleys(profile, np.argmax(seen, axis=1))
+    seen = calm * gaussian * profiles.share_between(first[:, None], last[:, None], near)
+    left, right = between_valleys(calm, np.argmax(seen, axis=1))
     shy = _SHY_OF_VALLEYS * smoothing
     begin = np.maximum(np.where(left > 0, t[left] + shy, -np.inf), first)
     end = np.minimum(np.where(right < len(t) - 1, t[right] - shy, np.inf), last)

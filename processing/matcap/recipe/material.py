@@ -5,11 +5,14 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from processing.matcap.filter import slope_of
+from processing.matcap.half_floats import rounded
 from processing.matcap.model import Component, DecomposedMatcap
 from processing.matcap.recipe.operations import Colour, Gain, Outline, Roughness, Which
 from processing.matcap.silhouette import Silhouette
 from processing.paraboloid.blur import blurred
 from processing.paraboloid.sharpen import sharpened
+
+_ALIKE = 1e-12
 
 
 def roughen(matcap: DecomposedMatcap, step: Roughness) -> DecomposedMatcap:
@@ -23,16 +26,23 @@ def roughen(matcap: DecomposedMatcap, step: Roughness) -> DecomposedMatcap:
 def with_filter_size(component: Component, filter_size: float) -> Component:
     """Return a component of another filter size ν.
 
-    The slope changes as much as μ(ν) does; one that was not μ(ν) keeps its distance from it.
+    The slope changes as much as μ(ν) does; one that was not μ(ν) keeps its distance from it. What the maps lacked is
+    not the same in others, and left out.
     """
     more = filter_size - component.filter_size
-    front, back = component.front, component.back
-    if more > 0:
-        front, back = blurred(front, back, more)
-    elif more < 0:
-        front, back = sharpened(front, back, -more)
+    if abs(more) < _ALIKE:
+        return component
+    change = blurred if more > 0 else sharpened
+    front, back = (rounded(side) for side in change(component.front, component.back, abs(more)))
     slope = component.slope + slope_of(filter_size) - slope_of(component.filter_size)
-    return replace(component, front=front, back=back, filter_size=filter_size, slope=min(max(slope, 0.0), 1.0))
+    return replace(
+        component,
+        front=front,
+        back=back,
+        filter_size=filter_size,
+        slope=min(max(slope, 0.0), 1.0),
+        remainder=None,
+    )
 
 
 def recolour(matcap: DecomposedMatcap, step: Colour) -> DecomposedMatcap:

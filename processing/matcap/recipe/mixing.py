@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from processing.matcap.model import Component, DecomposedMatcap
 from processing.matcap.recipe.operations import One, Take
+from processing.matcap.remainder import with_maps
 from processing.paraboloid.blur import resized
 
 
@@ -15,5 +16,7 @@ def take(matcap: DecomposedMatcap, step: Take, other: DecomposedMatcap) -> Decom
 
 
 def _of_size(component: Component, size: int) -> Component:
+    if component.front.shape[0] == size:
+        return component
     front, back = resized(component.front, component.back, size)
-    return replace(component, front=front, back=back)
+    return with_maps(component, front, back)

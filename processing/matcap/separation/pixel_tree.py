@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from litrig.base.kernels import kernel
+
 F64 = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
@@ -54,15 +56,29 @@ def _grown(normals: F64, codes: Integers) -> PixelTree:
     starts, centres, radii = [], [], []
     for level in reversed(range(_LEVELS)):
         tiles = codes >> (4 * level)
-        first = np.flatnonzero(np.diff(tiles, prepend=-1))
-        middle = np.add.reduceat(normals, first, axis=0)
-        middle /= np.linalg.norm(middle, axis=1, keepdims=True)
-        sizes = np.diff(first, append=len(normals))
-        off = normals - np.repeat(middle, sizes, axis=0)
-        starts.append(np.append(first, len(normals)))
-        centres.append(middle)
-        radii.append(np.sqrt(np.maximum.reduceat(np.einsum("ij,ij->i", off, off), first)))
+        begins = np.concatenate([[0], np.flatnonzero(tiles[1:] != tiles[:-1]) + 1, [len(tiles)]])
+        middles, reaches = np.zeros((len(begins) - 1, 3)), np.zeros(len(begins) - 1)
+        _measure(normals, begins, middles, reaches)
+        starts.append(begins)
+        centres.append(middles)
+        radii.append(reaches)
     return PixelTree(normals, codes, tuple(starts), tuple(centres), tuple(radii))
+
+
+@kernel
+def _measure(normals: F64, begins: Integers, middles: F64, reaches: F64) -> None:
+    for tile in range(len(reaches)):
+        x, y, z = 0.0, 0.0, 0.0
+        for i in range(begins[tile], begins[tile + 1]):
+            x, y, z = x + normals[i, 0], y + normals[i, 1], z + normals[i, 2]
+        length = np.sqrt(x * x + y * y + z * z)
+        x, y, z = x / length, y / length, z / length
+        farthest = 0.0
+        for i in range(begins[tile], begins[tile + 1]):
+            dx, dy, dz = normals[i, 0] - x, normals[i, 1] - y, normals[i, 2] - z
+            farthest = max(farthest, dx * dx + dy * dy + dz * dz)
+        middles[tile, 0], middles[tile, 1], middles[tile, 2] = x, y, z
+        reaches[tile] = np.sqrt(farthest)
 
 
 def _spread(values: Integers) -> Integers:

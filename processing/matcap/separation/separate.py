@@ -104,5 +104,5 @@ def separate(
     with ThreadPoolExecutor() as pool:
         for channel, opened in enumerate(pool.map(open_channel, range(3))):
             low[rows, columns, channel] = opened
-    high = np.where(inside[..., None], above(np.where(inside[..., None], light, 0), low, blend), 0)
+    high: F64 = np.asarray(above(np.where(inside[..., None], light, 0), low, blend), np.float64)
     return Separation(low, high, known)

@@ -15,23 +15,8 @@ F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
 _MOST_SAMPLES = 64
-_NEXT, _NEAREST = 1.42, 0.499
-
-
-def map_densities(radii: F64, slope: float) -> F64:
-    """Return how much larger than on the disc things are in a map of its size, the lesser of along and across (N,).
-
-    Parameters
-    ----------
-    radii : (N,) of the disc, above 0 and below 1
-    """
-    angles = np.arcsin(radii)
-    turned = angles * (1 + slope)
-    turned = np.minimum(turned, math.pi - turned)
-    places = np.tan(turned / 2)
-    along = (1 + places**2) / 2 * (1 + slope) / np.cos(angles)
-    densities: F64 = np.minimum(along, places / radii)
-    return densities
+_KNOTS, _FARTHEST = 8192, 1.5
+"""Of tables over a texel's distance from the middle, −1 to 1 across the map: its corners lie at √2."""
 
 
 def unwarped(disc: F32, slope: float, size: int) -> tuple[F32, F32]:
@@ -47,43 +32,53 @@ def unwarped(disc: F32, slope: float, size: int) -> tuple[F32, F32]:
     -------
     front, back : (N, N, 3); in the blind spot 0
     """
-    front, back = np.zeros((size, size, 3), np.float32), np.zeros((size, size, 3), np.float32)
-    _unwarp(disc, slope, False, front)
-    _unwarp(disc, slope, True, back)
-    return front, back
+    sides = np.zeros((2, size, size, 3), np.float32)
+    if disc.any():
+        for texels, behind in zip(sides, (False, True), strict=True):
+            least, most = (
+                (math.tan((1 - slope) * math.pi / 4), 2.0) if behind else (0.0, math.tan((1 + slope) * math.pi / 4))
+            )
+            _unwarp(disc, *_tables(slope, behind=behind), least, most, texels)
+    return sides[0], sides[1]
+
+
+def _tables(slope: float, *, behind: bool) -> tuple[F64, F64]:
+    """Return the radius at which texels look on the disc, and how much they cover for their size, by their place."""
+    places = np.linspace(0, _FARTHEST, _KNOTS + 1)
+    turned = math.pi - 2 * np.arctan(places) if behind else 2 * np.arctan(places)
+    angles = np.minimum(turned / (1 + slope), math.pi / 2)
+    radii = np.sin(angles)
+    along = 2 / (1 + places * places) / (1 + slope) * np.cos(angles)
+    return radii, np.maximum(along, radii / np.maximum(places, 1e-9))
 
 
 @kernel
-def _unwarp(disc: F32, slope: float, behind: bool, texels: F32) -> None:
+def _unwarp(disc: F32, radii: F64, spreads: F64, least: float, most: float, texels: F32) -> None:
     size, side = texels.shape[0], disc.shape[0]
+    knots = (len(radii) - 1) / _FARTHEST
     for row in range(size):
         for column in range(size):
             u, v = (2 * column + 1) / size - 1, 1 - (2 * row + 1) / size
-            place = max(math.sqrt(u * u + v * v), 1e-9)
-            turned = math.pi - 2 * math.atan(place) if behind else 2 * math.atan(place)
-            angle = min(turned / (1 + slope), math.pi / 2)
-            along = 2 / (1 + place * place) / (1 + slope) * math.cos(angle)
-            covered = max(along, math.sin(angle) / place) * side / size
+            knot = math.sqrt(u * u + v * v) * knots
+            first = int(knot)
+            covered = (spreads[first] + (knot - first) * (spreads[first + 1] - spreads[first])) * side / size
             samples = int(min(max(math.ceil(covered), 1.0), _MOST_SAMPLES))
-            # Where texels are small, those next to a pixel's centre show that pixel alone, so that it is read back.
-            flat = min(_NEXT * covered, _NEAREST) if covered < 1 else 0.0
             red, green, blue, count = 0.0, 0.0, 0.0, 0
             for i in range(samples):
                 for j in range(samples):
                     su = u + (2 * (i + 0.5) / samples - 1) / size
                     sv = v + (2 * (j + 0.5) / samples - 1) / size
                     place = max(math.sqrt(su * su + sv * sv), 1e-9)
-                    turned = math.pi - 2 * math.atan(place) if behind else 2 * math.atan(place)
-                    angle = turned / (1 + slope)
-                    if angle > math.pi / 2:
+                    if place < least or place > most:
                         continue
-                    radius = math.sin(angle)
-                    x = min(max((1 + radius * su / place) * side / 2 - 0.5, 0.0), side - 1.0)
-                    y = min(max((1 - radius * sv / place) * side / 2 - 0.5, 0.0), side - 1.0)
+                    knot = place * knots
+                    first = int(knot)
+                    outwards = (radii[first] + (knot - first) * (radii[first + 1] - radii[first])) / place
+                    x = min(max((1 + outwards * su) * side / 2 - 0.5, 0.0), side - 1.0)
+                    y = min(max((1 - outwards * sv) * side / 2 - 0.5, 0.0), side - 1.0)
                     left, top = int(x), int(y)
                     right, bottom = min(left + 1, side - 1), min(top + 1, side - 1)
-                    x = min(max((x - left - flat) / (1 - 2 * flat), 0.0), 1.0)
-                    y = min(max((y - top - flat) / (1 - 2 * flat), 0.0), 1.0)
+                    x, y = x - left, y - top
                     a, b, c, d = (1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y
                     red += a * disc[top, left, 0] + b * disc[top, right, 0]
                     red += c * disc[bottom, left, 0] + d * disc[bottom, right, 0]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from litrig.base.errors import FormatError, InputError
 from litrig.base.quiet import quiet_library
 from processing.exr_parts import check_budget, listed, require
+from processing.limits import FLAT_RATIO
 
 LARGEST_PIXELS = 100_000_000
 MEND = "render it again"
@@ -97,7 +98,7 @@ def _check_heads(path: Path, heads: list[dict[str, Any]]) -> list[Window]:
         unpacked += 4 * len(head["channels"]) * width * height if window != _corners(head["displayWindow"]) else 0
         halved = [channel.name for channel in head["channels"] if channel.xSampling != 1 or channel.ySampling != 1]
         require(path, not halved, f"{listed(halved)} hold less than a value a pixel; {MEND}")
-    check_budget(path, unpacked, _LARGEST_BYTES)
+    check_budget(path, unpacked, _LARGEST_BYTES, ratio=FLAT_RATIO)
     return windows
 
 

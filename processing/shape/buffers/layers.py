@@ -1,5 +1,6 @@
 """Find the layers that buffers are made of, and make them."""
 
+import functools
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -67,7 +68,8 @@ class Layers:
 
     def make(self, recipe: Recipe, buffer: str) -> F32:
         """Return the buffer, (H, W) or (H, W, 3) float32."""
-        total = sum((self._values(name, buffer) for name in (*recipe.terms, *recipe.also)), np.float32(0))
+        # From the first layer on, and not from 0, which would take the sign off −0.
+        total = functools.reduce(np.add, (self._values(name, buffer) for name in (*recipe.terms, *recipe.also)))
         if recipe.factor is not None:
             total = total * self._values(recipe.factor, buffer)
         made: F32 = np.asarray(total, np.float32)

@@ -17,10 +17,11 @@ _MOST_LEFT = 0.5
 """Share of the surfaces' pixels from which on a file is refused, for then it is wrong and not flawed."""
 _MOST_OUTSIDE = 0.05
 _HARDLY_OUTSIDE = 0.05
-_TURNED_AWAY = -0.2
+TURNED_AWAY = -0.2
 """n·v below which a normal is no silhouette's any more."""
 _NO_DIRECTION = 1e-3
-_LARGEST = 1e15
+LARGEST = 1e15
+"""Squares of more are not held in single precision."""
 _MOST_COLOURS = 256
 
 
@@ -40,11 +41,12 @@ class Pixels:
     def check_seen(self) -> None:
         require(self._path, self._seen > 0, f"no surface is seen in it; {MEND} with numbers of surfaces or alpha")
 
-    def check_numbers(self, name: str, values: F32, what: str) -> None:
+    def check_numbers(self, name: str, values: F32) -> None:
         """Leave pixels whose values are not finite, or so large that their squares are not."""
-        usable = np.abs(values) < _LARGEST
+        usable = np.abs(values) < LARGEST
         lost: NDArray[np.bool_] = ~usable if values.ndim == 2 else ~np.asarray(usable.all(axis=-1))
-        self._leave(lost, what, f"{MEND} without them")
+        what = "the picture" if name == "picture" else f"layer {name}"
+        self._leave(lost, f"{what} holds no numbers", f"{MEND} without them")
 
     def check_apart(self, positions: F32) -> None:
         """Leave pixels whose surface is where the camera is."""
@@ -66,7 +68,7 @@ class Pixels:
 
     def check_facing(self, normals: F32, to_eye: F32) -> None:
         """Leave pixels whose normal looks away from the camera."""
-        away = np.sum(normals * to_eye, axis=-1) < _TURNED_AWAY
+        away = np.sum(normals * to_eye, axis=-1) < TURNED_AWAY
         count = int(np.count_nonzero(away & self.shown))
         self._leave(
             away,
@@ -121,7 +123,7 @@ def surface_numbers(path: Path, names: list[str], planes: list[NDArray[Any]], te
 
 def decoded_normals(normals: F32, shown: NDArray[np.bool_], tell: Tell) -> F32:
     """Bring normals that were stored as colours, (n + 1)/2, back to −1..1."""
-    seen = normals[shown & (np.abs(normals) < _LARGEST).all(axis=-1)]
+    seen = normals[shown & (np.abs(normals) < LARGEST).all(axis=-1)]
     if not seen.size or seen.min() < 0 or seen.max() > 1:
         return normals
     as_stored, as_colour = (np.abs(np.linalg.norm(values, axis=-1) - 1) for values in (seen, 2 * seen - 1))

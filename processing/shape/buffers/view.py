@@ -51,7 +51,7 @@ def view_of(
     shift = np.zeros(3) if matrix is None else matrix[3, :3]
     on_axis = np.broadcast_to(np.array([0, 0, -1], np.float32), made["normal"].shape)
     if "position" in made:
-        pixels.check_numbers("position", made["position"], "layer position holds no numbers")
+        pixels.check_numbers("position", made["position"])
         stored_positions = np.where(pixels.shown[..., None], made["position"], 0)
         positions = (stored_positions @ turn + shift).astype(np.float32)
         if not said.orthographic:
@@ -64,7 +64,7 @@ def view_of(
     if "depth" not in made:
         tell("no positions and no depth: everything is seen along one direction, as from far away")
         return View(on_axis, turn, True)
-    pixels.check_numbers("depth", made["depth"], "layer depth holds no numbers")
+    pixels.check_numbers("depth", made["depth"])
     depth = np.abs(made["depth"])
     focal = None if said.orthographic else focal_px(stored.header, depth.shape[1], said)
     if focal is None:

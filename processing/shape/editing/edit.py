@@ -60,13 +60,15 @@ def edit(buffers: ShadingBuffers, recipe: Recipe, tell: Tell | None = None, *, i
     InputError, FormatError
         A file that the recipe names cannot be used, a surface is not in the picture, or a place shows none.
     """
+    tell = tell or (lambda _: None)
     ones = np.ones(buffers.shape, np.float32)
     state = Edited(buffers.normals, buffers.positions, ones, ones)
     for number, operation in enumerate(recipe.edit, 1):
         if operation.surfaces and not is_frame:
             check_surfaces(buffers, operation.surfaces, f"edit {number}, {operation.operation}")
         weight = _weight(buffers, operation)
-        state = _done(buffers, state, operation, weight, tell or (lambda _: None))
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            state = _done(buffers, state, operation, weight, tell)
     return state
 
 
@@ -81,10 +83,9 @@ def _weight(buffers: ShadingBuffers, operation: AnyOperation) -> F32:
 
 def check_surfaces(buffers: ShadingBuffers, wanted: Collection[int], what: str) -> None:
     """Refuse numbers of surfaces that the picture does not show."""
-    there = set(np.unique(buffers.surfaces).tolist()) - {BACKGROUND}
-    if strange := sorted(set(wanted) - there):
+    if strange := sorted(set(wanted) - set(buffers.seen)):
         raise InputError(
-            f"{what}: no surface {strange[0]} in the picture; there are {', '.join(map(str, sorted(there)))}"
+            f"{what}: no surface {strange[0]} in the picture; there are {', '.join(map(str, buffers.seen))}"
         )
 
 
@@ -117,11 +118,20 @@ def _done(buffers: ShadingBuffers, state: Edited, operation: AnyOperation, weigh
             heights = _heights(buffers, operation)
             if operation.displace:
                 new, moved = displaced(buffers, state.normals, state.positions, heights.height * weight)
+                _tell_lost(operation, new, weight, tell)
                 normals = blended(state.normals, new, np.ones_like(weight), eye)
+                moved = np.where(np.isfinite(moved).all(axis=-1, keepdims=True), moved, state.positions)
                 return replace(state, normals=normals, positions=moved)
             new = tilted(state.normals, heights.gradient)
             new = np.where(np.any(heights.gradient != 0, axis=-1)[..., None], new, state.normals)
+    _tell_lost(operation, new, weight, tell)
     return replace(state, normals=blended(state.normals, new, weight, eye))
+
+
+def _tell_lost(operation: AnyOperation, new: F32, weight: F32, tell: Tell) -> None:
+    """Say where an edit leads beyond what numbers hold; `blended` keeps the old normals there."""
+    if lost := int(np.count_nonzero((weight > 0) & ~np.isfinite(new).all(axis=-1))):
+        tell(f"{operation.operation} leads beyond all numbers in {lost} pixels, which keep their normals")
 
 
 def _heights(buffers: ShadingBuffers, relief: Bump | Noise | Ripple) -> Heights:

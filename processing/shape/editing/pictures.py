@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
 from litrig.base.pictures import read_codes, read_linear
+from processing.shape.buffers.pixels import TURNED_AWAY
 from processing.shape.buffers_exr import Tell, read_normals
 from processing.shape.model import BACKGROUND, ShadingBuffers
 
@@ -90,6 +91,9 @@ def painted_normals(
         normals = (normals / np.where(painted, length, 1)[..., None]).astype(np.float32)
     if green_is_down:
         normals = normals * np.array([1, -1, 1], np.float32)
+    away = np.sum(normals * buffers.to_eye, axis=-1) < TURNED_AWAY
+    if not in_surface and (turned := int(np.count_nonzero(painted & away))):
+        tell(f"{path.name} has normals that look away from the camera in {turned} pixels of surfaces")
     return normals, painted
 
 

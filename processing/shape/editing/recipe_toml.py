@@ -53,10 +53,18 @@ def at_frame(recipe: Recipe, number: int) -> Recipe:
     return _with_files(recipe, lambda file: frame(file, number))
 
 
+def files_of(recipe: Recipe) -> list[Path]:
+    """Return the files that a recipe reads."""
+    return [file for one in recipe.edit for file in _files(one).values()]
+
+
 def _with_files(recipe: Recipe, change: Callable[[Path], Path]) -> Recipe:
     return Recipe(edit=tuple(_changed(one, change) for one in recipe.edit))
 
 
 def _changed(one: AnyOperation, change: Callable[[Path], Path]) -> AnyOperation:
-    files = {name: value for name in type(one).model_fields if isinstance(value := getattr(one, name), Path)}
-    return one.model_copy(update={name: change(file) for name, file in files.items()})
+    return one.model_copy(update={name: change(file) for name, file in _files(one).items()})
+
+
+def _files(one: AnyOperation) -> dict[str, Path]:
+    return {name: value for name in type(one).model_fields if isinstance(value := getattr(one, name), Path)}

@@ -67,7 +67,11 @@ def blended(old: F32, new: F32, weight: F32, to_eye: F32 | None) -> F32:
 
 def unit(vectors: F32) -> F32:
     """Return vectors (..., 3) of length 1; those of no length stay."""
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    with np.errstate(over="ignore"):
+        length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    if not np.all(np.isfinite(length)):
+        # Squares that single precision does not hold; what is no number stays so.
+        length = np.linalg.norm(vectors.astype(np.float64), axis=-1, keepdims=True)
     made: F32 = (vectors / np.where(length > 0, length, 1)).astype(np.float32)
     return made
 

@@ -4,12 +4,14 @@ Two neighbours belong to one smooth patch if neither their normals nor their dep
 are a quad, three at a patch's border a triangle.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
+from litrig.base.kernels import kernel
 
 F32 = NDArray[np.float32]
 Mask = NDArray[np.bool_]
@@ -53,19 +55,37 @@ def joined(used: Mask, normals: F32, to_eye: F32, positions: F32 | None, smoothn
     -------
     across, down : (H, W − 1) and (H − 1, W), a pixel and the one on its right, and below
     """
-    least = np.cos(np.radians(smoothness.normal_jump_deg))
-    facing = np.maximum(np.sum(normals * to_eye, axis=-1), _STEEPEST)
+    least = float(np.cos(np.radians(smoothness.normal_jump_deg)))
+    somewhere, jump = (normals, np.inf) if positions is None else (positions, smoothness.depth_jump)
     pairs = []
-    for one, other in ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:])):
+    for down, right, one, other in ((0, 1, np.s_[:, :-1], np.s_[:, 1:]), (1, 0, np.s_[:-1], np.s_[1:])):
         smooth = used[one] & used[other]
-        smooth &= np.sum(normals[one] * normals[other], axis=-1) >= least
-        if positions is not None:
-            chord = positions[other] - positions[one]
-            along = np.sum(chord * to_eye[one], axis=-1)
-            aside = np.linalg.norm(chord - along[..., None] * to_eye[one], axis=-1)
-            smooth &= np.abs(along) <= smoothness.depth_jump * aside / np.minimum(facing[one], facing[other])
+        _keep_smooth(normals, to_eye, somewhere, down, right, least, jump, smooth)
         pairs.append(smooth)
     return pairs[0], pairs[1]
+
+
+@kernel
+def _keep_smooth(
+    normals: F32, to_eye: F32, positions: F32, down: int, right: int, least: float, jump: float, smooth: Mask
+) -> None:
+    """Take away pairs whose normals or depths jump; the latter by more than `jump` times what the slant explains."""
+    for row in range(smooth.shape[0]):
+        for column in range(smooth.shape[1]):
+            if not smooth[row, column]:
+                continue
+            r, c = row + down, column + right
+            alike, facing, facing_after, along, squares = 0.0, 0.0, 0.0, 0.0, 0.0
+            for k in range(3):
+                chord = positions[r, c, k] - positions[row, column, k]
+                alike += normals[row, column, k] * normals[r, c, k]
+                facing += normals[row, column, k] * to_eye[row, column, k]
+                facing_after += normals[r, c, k] * to_eye[r, c, k]
+                along += chord * to_eye[row, column, k]
+                squares += chord * chord
+            steepest = max(min(facing, facing_after), _STEEPEST)
+            aside = math.sqrt(max(squares - along * along, 0.0))
+            smooth[row, column] = alike >= least and (jump == np.inf or abs(along) <= jump * aside / steepest)
 
 
 def polygons(across: Mask, down: Mask) -> Indices:

@@ -18,13 +18,15 @@ F64 = NDArray[np.float64]
 Indices = NDArray[np.int32]
 SUMS = 7
 """Red, green, blue, column, row, texels that a pixel is narrow (inverted), weight: each times the weight."""
-EXPONENT = 200.0
+EXPONENT = 200
 """η"""
 _FAR_Q = 1.5
 """A polygon whose corners all lie further out has nothing within the circle."""
 _FURTHEST_Q = 1e6
 _ON_EDGE = 1e-9
 """Of a triangle: what rounding could make lie outside both triangles that share an edge."""
+_BESIDE = 1e-6
+"""Texels that a row reaches further than rounding has it."""
 _LEAST_COSINE = 0.5
 """Between the corners of a polygon; larger ones are no picture of a smooth surface."""
 
@@ -43,21 +45,28 @@ def _squared(u: float, v: float, x: float, y: float) -> float:
 
 
 @kernel
-def _triangle(u: F64, v: F64, s: F64, second: int, x: float, y: float, share: F64) -> bool:
+def _per_area(u: F64, v: F64, second: int) -> float:
+    """Return 1 / (twice the area) of the triangle of corner 0 and two others; 0 of one that has none."""
+    third = second + 1
+    area = (u[second] - u[0]) * (v[third] - v[0]) - (v[second] - v[0]) * (u[third] - u[0])
+    return 1 / area if area != 0 else 0.0
+
+
+@kernel
+def _triangle(u: F64, v: F64, s: F64, per_area: float, second: int, x: float, y: float, share: F64) -> bool:
     """Find the normalised spherical coordinates in the triangle of corner 0 and two others, if it is inside."""
     third = second + 1
-    ax, ay, bx, by = u[second] - u[0], v[second] - v[0], u[third] - u[0], v[third] - v[0]
-    area = ax * by - ay * bx
-    if area == 0:
-        return False
     px, py = x - u[0], y - v[0]
-    b = (px * by - py * bx) / area
-    c = (ax * py - ay * px) / area
-    if b < -_ON_EDGE or c < -_ON_EDGE or b + c > 1 + _ON_EDGE:
+    b = (px * (v[third] - v[0]) - py * (u[third] - u[0])) * per_area
+    if b < -_ON_EDGE or per_area == 0:
         return False
-    total = (1 - b - c) * s[0] + b * s[second] + c * s[third]
+    c = ((u[second] - u[0]) * py - (v[second] - v[0]) * px) * per_area
+    if c < -_ON_EDGE or b + c > 1 + _ON_EDGE:
+        return False
     share[1] = share[2] = share[3] = 0.0
-    share[0], share[second], share[third] = (1 - b - c) * s[0] / total, b * s[second] / total, c * s[third] / total
+    share[0], share[second], share[third] = (1 - b - c) * s[0], b * s[second], c * s[third]
+    per_total = 1 / (share[0] + share[second] + share[third])
+    share[0], share[second], share[third] = share[0] * per_total, share[second] * per_total, share[third] * per_total
     return True
 
 
@@ -105,6 +114,20 @@ def _mean_value(u: F64, v: F64, s: F64, t: F64, x: float, y: float, share: F64) 
 
 
 @kernel
+def _span(u: F64, v: F64, count: int, y: float) -> tuple[float, float]:
+    """Return from where to where a polygon reaches along a row."""
+    least, most = np.inf, -np.inf
+    for k in range(count):
+        after = (k + 1) % count
+        if v[k] == y:
+            least, most = min(least, u[k]), max(most, u[k])
+        elif (v[k] < y) != (v[after] < y):
+            x = u[k] + (y - v[k]) / (v[after] - v[k]) * (u[after] - u[k])
+            least, most = min(least, x), max(most, x)
+    return least, most
+
+
+@kernel
 def draw(corners: Indices, places: F64, colours: F32, columns: int, quads: bool, sums: F64) -> None:
     """Add polygons to the sums of equation 2, each with its weight (1 − arc/π)^η.
 
@@ -144,30 +167,43 @@ def draw(corners: Indices, places: F64, colours: F32, columns: int, quads: bool,
             for other in range(k):
                 cosine = min(cosine, (1 + u[k] * u[other] + v[k] * v[other]) / (s[k] * s[other]))
                 longest = max(longest, (u[k] - u[other]) ** 2 + (v[k] - v[other]) ** 2)
-            at_column[k], at_row[k] = corners[polygon, k] % columns, corners[polygon, k] // columns
+            at_row[k] = corners[polygon, k] // columns
+            at_column[k] = corners[polygon, k] - at_row[k] * columns
             after = (k + 1) % count
             twice += u[k] * v[after] - u[after] * v[k]
         if cosine < _LEAST_COSINE:
             continue
         weight = (1 - math.acos(cosine) / math.pi) ** EXPONENT
+        per_one, per_other = _per_area(u, v, 1), _per_area(u, v, 2) if count == 4 else 0.0
         width = max(abs(twice) / 2 / max(math.sqrt(longest), 1e-12) * size / 2, 1e-3)
         for row in range(top, bottom + 1):
             y = 1 - (2 * row + 1) / size
-            for column in range(left, right + 1):
+            least, most = _span(u, v, count, y)
+            if not least <= most:
+                continue
+            first = max(left, math.ceil((least + 1) / 2 * size - 0.5 - _BESIDE))
+            last = min(right, math.floor((most + 1) / 2 * size - 0.5 + _BESIDE))
+            for column in range(first, last + 1):
                 x = (2 * column + 1) / size - 1
                 if quads and count == 4:
                     inside = _mean_value(u, v, s, t, x, y, share)
                 else:
-                    inside = _triangle(u, v, s, 1, x, y, share)
+                    inside = _triangle(u, v, s, per_one, 1, x, y, share)
                     if not inside and count == 4:
-                        inside = _triangle(u, v, s, 2, x, y, share)
+                        inside = _triangle(u, v, s, per_other, 2, x, y, share)
                 if inside:
+                    red, green, blue, from_column, from_row = 0.0, 0.0, 0.0, 0.0, 0.0
                     for k in range(count):
-                        part = weight * share[k]
                         pixel = corners[polygon, k]
-                        for c in range(3):
-                            sums[row, column, c] += part * colours[pixel, c]
-                        sums[row, column, 3] += part * at_column[k]
-                        sums[row, column, 4] += part * at_row[k]
+                        red += share[k] * colours[pixel, 0]
+                        green += share[k] * colours[pixel, 1]
+                        blue += share[k] * colours[pixel, 2]
+                        from_column += share[k] * at_column[k]
+                        from_row += share[k] * at_row[k]
+                    sums[row, column, 0] += weight * red
+                    sums[row, column, 1] += weight * green
+                    sums[row, column, 2] += weight * blue
+                    sums[row, column, 3] += weight * from_column
+                    sums[row, column, 4] += weight * from_row
                     sums[row, column, 5] += weight / width
                     sums[row, column, 6] += weight

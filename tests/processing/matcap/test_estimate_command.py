@@ -1,6 +1,7 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -31,6 +32,17 @@ def test_it_says_filter_size_slope_and_base_colour(picture: Path) -> None:
     assert "slope μ: 0.994" in output
     assert "base colour: 0.94" in output
     assert f"* region {region}, values" in output
+
+
+def test_low_and_high_frequencies_have_filters_of_their_own(tmp_path: Path) -> None:
+    along = (2 * np.arange(96) + 1) / 96 - 1
+    matt = 0.4 * np.sqrt(np.clip(1 - along**2 - along[:, None] ** 2, 0, None))[..., None].repeat(3, axis=2)
+    path = tmp_path / "glossy.exr"
+    write_picture(path, (matt + 0.5 * matcap_of(LIGHT, size=96, bits=False)).astype(np.float32))
+    low, high = (json.loads(run(path, "--component", name, "--json")) for name in ("low", "high"))
+    assert high["filter_size"] == pytest.approx(LIGHT.variance, rel=0.1)
+    assert low["filter_size"] > 10 * high["filter_size"]
+    assert low["base_colour"][0] == pytest.approx(0.4, rel=0.1)
 
 
 def test_a_program_reads_the_same_as_json(picture: Path) -> None:

@@ -41,7 +41,7 @@ def test_another_reader_finds_the_parts_and_the_parameters(tmp_path: Path) -> No
         "slope": 0.9,
         "filter_size": 0.02,
     }
-    assert told["version"] == 2 and told["litrig"]
+    assert told["version"] == 3 and told["litrig"]
 
 
 def parameters(component: Component) -> dict[str, Any]:
@@ -83,6 +83,46 @@ def test_a_file_of_the_first_version_is_read(tmp_path: Path) -> None:
     found = read_matcap(tmp_path / "x.matcap.exr")
     assert parameters(found.low) == parameters(GOOD.low)
     assert found.picture_size is None
+
+
+def test_what_the_maps_lack_is_read_bit_by_bit_and_may_be_of_another_size(tmp_path: Path) -> None:
+    lacking = np.random.default_rng(1).normal(size=(5, 5, 3)).astype(np.float32)
+    high = dataclasses.replace(GOOD.high, remainder=lacking)
+    write_matcap(tmp_path / "x.matcap.exr", dataclasses.replace(GOOD, high=high))
+    found = read_matcap(tmp_path / "x.matcap.exr")
+    assert found.low.remainder is None and found.high.remainder is not None
+    np.testing.assert_array_equal(found.high.remainder, lacking)
+
+
+def test_what_half_floats_hold_is_written_so(tmp_path: Path) -> None:
+    back = GOOD.low.back.astype(np.float16).astype(np.float32)
+    write_matcap(tmp_path / "x.matcap.exr", changed(back=back, front=back * 1e6))
+    with OpenEXR.File(str(tmp_path / "x.matcap.exr")) as exr:
+        kinds = {part.name(): part.channels["RGB"].pixels.dtype for part in exr.parts}
+    assert (kinds["low.front"], kinds["low.back"]) == (np.float32, np.float16)
+    found = read_matcap(tmp_path / "x.matcap.exr")
+    np.testing.assert_array_equal(found.low.front, back * 1e6)
+    np.testing.assert_array_equal(found.low.back, back)
+
+
+def test_large_maps_of_even_light_are_no_bomb(tmp_path: Path) -> None:
+    even = np.ones((1200, 1200, 3), np.float32)
+    dark = dataclasses.replace(GOOD.high, front=0 * even, back=0 * even)
+    write_matcap(tmp_path / "x.matcap.exr", dataclasses.replace(changed(front=even, back=even), high=dark))
+    assert read_matcap(tmp_path / "x.matcap.exr").low.front.all()
+
+
+def test_a_remainder_that_is_not_square_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"\(4, 5, 3\) is no low\.remainder"):
+        write_matcap(tmp_path / "x.matcap.exr", changed(remainder=np.ones((4, 5, 3), np.float32)))
+
+    def oblong(heads: list[dict[str, Any]], pixels: list[np.ndarray]) -> None:
+        heads.append({**heads[0], "name": "low.remainder"})
+        pixels.append(np.ones((4, 5, 3), np.float32))
+
+    rewritten(tmp_path / "x.matcap.exr", oblong)
+    with pytest.raises(FormatError, match=r"low\.remainder is 5 × 4, and not square"):
+        read_matcap(tmp_path / "x.matcap.exr")
 
 
 def changed(**low: Any) -> DecomposedMatcap:
@@ -166,7 +206,7 @@ def not_a_number(_: list[dict[str, Any]], pixels: list[np.ndarray]) -> None:
         pytest.param(not_a_number, "part high.front holds values that are no numbers", id="NaN"),
         pytest.param(told(table_normal="sideways"), "table_normal", id="table normal"),
         pytest.param(told(extra=1), "extra", id="an unknown key"),
-        pytest.param(told(version=3), "version", id="a later version"),
+        pytest.param(told(version=4), "version", id="a later version"),
         pytest.param(
             told(low=hanging_nothing()), r"has parts .* not .* low\.picture\.0", id="a picture that is not there"
         ),

@@ -5,6 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
+from processing.paraboloid import harmonic_fill, multigrid
 from processing.paraboloid.harmonic_fill import fill
 from processing.paraboloid.maps import texel_directions
 from processing.paraboloid.read import lookup
@@ -147,3 +148,53 @@ def test_in_ragged_holes_each_texel_is_the_mean_of_its_neighbours(seed: int) -> 
         mean = (plane[2:, 1:-1] + plane[:-2, 1:-1] + plane[1:-1, 2:] + plane[1:-1, :-2]) / 4
         here = inner & hole[1:-1, 1:-1]
         np.testing.assert_allclose(plane[1:-1, 1:-1][here], mean[here], atol=1e-5)
+
+
+@pytest.mark.parametrize("sourced", [False, True])
+def test_a_hole_that_multigrid_leaves_is_filled_all_the_same(sourced: bool) -> None:
+    """No cycle changes nothing at all, so that a tolerance of 0 is never met."""
+    axis = unit(0.8, 0.1, -0.4)
+    known = known_outside(axis, 1.2, 40)
+    truth = [np.stack([d[..., 0], d[..., 0] * d[..., 2]], axis=-1) for d in texel_directions(40)]
+    source = (truth[0] * np.array([-2.0, -6.0]), truth[1] * np.array([-2.0, -6.0])) if sourced else None
+    one = fill(truth[0], truth[1], known[0], known[1], source)
+    other = fill(truth[0], truth[1], known[0], known[1], source, tolerance=0)
+    np.testing.assert_allclose(other, one, atol=1e-5)
+    assert any(np.any(a != b) for a, b in zip(one, other, strict=True))
+
+
+def test_a_hole_that_nothing_fills_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(harmonic_fill, "MOST_DIRECTLY", 100)
+    known = known_outside(unit(1, 0, 0), 1.2, 40)
+    front, back = (d[..., :1] for d in texel_directions(40))
+    with pytest.raises(InputError, match=r"filling \d{4} texels still changes by .* take a smaller map"):
+        fill(front, back, known[0], known[1], tolerance=0)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_holes_of_any_kind_are_filled_in_few_cycles(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(multigrid, "_MOST_CYCLES", 20)
+    monkeypatch.setattr(harmonic_fill, "MOST_DIRECTLY", 0)
+    random = np.random.default_rng(seed)
+    front, back = random.uniform(0, 1, (2, 33 + seed, 33 + seed, 1))
+    one = np.zeros((2, *front.shape[:2]), bool)
+    one[seed % 2, 10 + seed, 20] = True
+    chess = np.zeros_like(one)
+    chess[:, ::2, ::2] = chess[:, 1::2, 1::2] = True
+    few: Mask = np.less(random.uniform(size=one.shape), 0.5 * 0.1 ** (seed % 3))
+    line = np.zeros_like(one)
+    line[seed % 2, :, 15] = True
+    masks: list[Mask] = [one, ~one, line, ~line, chess, few]
+    for known in masks:
+        assert np.isfinite(fill(front, back, known[0], known[1])).all()
+
+
+def test_few_known_texels_of_many_are_no_trouble(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is known around them is, on coarse grids, far larger than they are."""
+    monkeypatch.setattr(multigrid, "_MOST_CYCLES", 15)
+    monkeypatch.setattr(harmonic_fill, "MOST_DIRECTLY", 0)
+    known = np.zeros((2, 128, 128), bool)
+    known[0, 64, 64:66] = True
+    front, back = np.random.default_rng(0).uniform(0, 1, (2, 128, 128, 1))
+    found = np.stack(fill(front, back, known[0], known[1]))
+    assert np.all(found >= front[64, 64:66].min() - 1e-5) and np.all(found <= front[64, 64:66].max() + 1e-5)

@@ -106,7 +106,7 @@ def spoiled(name: str, value: float) -> Change:
             id="a layer short",
         ),
         pytest.param(spoiled("reflection.G", np.nan), "layer reflection holds no numbers in", id="NaN"),
-        pytest.param(spoiled("R", np.inf), "pixels that are no numbers", id="infinite"),
+        pytest.param(spoiled("R", np.inf), "the picture holds no numbers", id="infinite"),
         pytest.param(spoiled("ambient_occlusion.Y", 1.5), "ambient_occlusion.Y leaves 0 to 1", id="occlusion"),
         pytest.param(spoiled("surface_id.I", 2.5), "no numbers of surfaces", id="half a surface"),
         pytest.param(
@@ -148,3 +148,13 @@ def test_a_file_cut_short_is_refused(tmp_path: Path, share: float) -> None:
 def test_a_missing_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no such file"):
         read_buffers(tmp_path / "x.exr")
+
+
+def test_a_small_object_before_much_black_is_no_bomb(tmp_path: Path) -> None:
+    planes = {name: np.zeros((1024, 1024), plane.dtype) for name, plane in layers(GOOD).items()}
+    for name, plane in layers(GOOD).items():
+        small = plane[::4, ::4]
+        planes[name][: small.shape[0], : small.shape[1]] = small
+    write(tmp_path / "s.exr", planes)
+    assert (tmp_path / "s.exr").stat().st_size * 200 < sum(plane.nbytes for plane in planes.values())
+    assert read_buffers(tmp_path / "s.exr").seen == GOOD.seen

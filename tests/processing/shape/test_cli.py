@@ -41,14 +41,18 @@ def recompose(files: Path, output: Path, *words: str | Path | float) -> str:
 
 
 def test_no_edit_gives_the_picture_back_bit_for_bit(files: Path, tmp_path: Path) -> None:
-    told = recompose(files, tmp_path / "x.exr")
+    picture = BUFFERS.picture.copy()
+    picture[60, 50] = -0.0, 1e-42, 1e4
+    stored = {**layers(BUFFERS), **{name: picture[..., index] for index, name in enumerate("RGB")}}
+    write(tmp_path / "s.exr", stored)
+    told = run("recompose", tmp_path / "s.exr", files / "s.env.exr", "-o", tmp_path / "x.exr")
     assert told.endswith("150 × 120 pixels, 0.0% of them changed\n")
     with OpenEXR.File(str(tmp_path / "x.exr"), separate_channels=True) as exr:
         assert sorted(exr.channels()) == ["B", "G", "R"]
         for index, name in enumerate("RGB"):
-            stored = exr.channels()[name].pixels
-            assert stored.dtype == np.float32
-            np.testing.assert_array_equal(stored.view(np.uint32), BUFFERS.picture[..., index].view(np.uint32))
+            kept = exr.channels()[name].pixels
+            assert kept.dtype == np.float32
+            np.testing.assert_array_equal(kept.view(np.uint32), picture[..., index].view(np.uint32))
 
 
 def test_an_exr_has_linear_light_and_a_png_display_values(files: Path, tmp_path: Path) -> None:
@@ -85,6 +89,30 @@ def test_frames_of_a_sequence_share_their_environments(files: Path, tmp_path: Pa
     assert [Path(line.split(":")[0]).name for line in told.splitlines()] == ["o.08.exr", "o.09.exr"]
     recompose(files, tmp_path / "one.exr", "--emboss", 0.5)
     np.testing.assert_array_equal(read_linear(tmp_path / "o.09.exr"), read_linear(tmp_path / "one.exr"))
+
+
+def test_a_frame_without_surfaces_comes_through_and_surfaces_of_no_frame_are_named(files: Path, tmp_path: Path) -> None:
+    write(tmp_path / "f.1.exr", layers(BUFFERS))
+    write(tmp_path / "f.2.exr", {**layers(BUFFERS), "surface_id.I": np.zeros_like(BUFFERS.surfaces)})
+    words: list[str | Path | float] = [
+        tmp_path / "f.#.exr",
+        files / "s.env.exr",
+        "--emboss",
+        0.5,
+        "--surface",
+        7,
+        "--surface",
+        8,
+    ]
+    told = run("recompose", *words, "-o", tmp_path / "o.#.exr")
+    assert "no frame shows surface 8" in told and "surface 7," not in told
+    assert np.any(read_linear(tmp_path / "o.1.exr") != BUFFERS.picture)
+    np.testing.assert_array_equal(read_linear(tmp_path / "o.2.exr"), BUFFERS.picture)
+
+
+def test_an_error_in_a_frame_names_it(files: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"f\.08\.exr: a place at 900, 5 is outside"):
+        run("recompose", files / "f.##.exr", files / "s.env.exr", "--ripple", 900, 5, 1, 9, "-o", tmp_path / "o.##.exr")
 
 
 def test_info_tells_what_is_there_and_what_is_not(files: Path, tmp_path: Path) -> None:
@@ -142,6 +170,10 @@ def test_a_surface_without_an_environment_is_named(files: Path, tmp_path: Path) 
         (["--layer", "shine"], "write BUFFER=LAYER"),
         (["-o", "o.##.exr"], "in neither"),
         (["-o", "o.gif"], "cannot be written as .gif"),
+        (["-o", "s.exr"], "s.exr: is read"),
+        (["-o", "./s.env.exr"], "s.env.exr: is read"),
+        (["--normals", "n.exr", "--normals-out", "n.exr"], "n.exr: is read"),
+        (["--normals-out", "x.exr", "-o", "x.exr"], "to be written twice"),
         (["--fov", "200"], "needs no field|0 and 180"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",

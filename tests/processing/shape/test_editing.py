@@ -307,3 +307,34 @@ def test_without_positions_nothing_lies_in_the_scene() -> None:
 def test_a_frame_may_lack_a_surface() -> None:
     found = edit(BALL, Recipe(edit=(Emboss(beta=0.5, surfaces=(3,)),)), is_frame=True)
     np.testing.assert_array_equal(found.normals, BALL.normals)
+
+
+@pytest.mark.parametrize("height", [1e15, 1e30])
+def test_giant_heights_leave_unit_normals_that_face_the_eye(height: float) -> None:
+    made = edited(BALL, Noise(height=height, scale=5))[SHOWN]
+    np.testing.assert_allclose(np.linalg.norm(made, axis=-1), 1, atol=1e-5)
+    assert np.all(np.sum(made * BALL.to_eye[SHOWN], axis=-1) > 0.9 * GRAZING)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("displace", [False, True])
+def test_where_an_edit_leads_beyond_all_numbers_normals_are_kept_and_it_is_said(displace: bool) -> None:
+    told: list[str] = []
+    noise = Noise(height=1e38, scale=1e-30, across="positions", displace=displace)
+    made = edit(BALL, Recipe(edit=(noise,)), told.append)
+    assert np.isfinite(made.normals).all() and np.isfinite(made.positions).all()
+    assert len(told) == 1 and "noise leads beyond all numbers" in told[0]
+
+
+def test_painted_normals_that_look_away_are_counted_and_giant_ones_refused(tmp_path: Path) -> None:
+    told: list[str] = []
+    for name, factor in (("away", -1.0), ("giant", 1e20)):
+        write_exr(
+            tmp_path / f"{name}.exr",
+            {axis: np.ascontiguousarray(BALL.normals[..., k] * np.float32(factor)) for k, axis in enumerate("XYZ")},
+            {},
+        )
+    edit(BALL, Recipe(edit=(Painted(file=tmp_path / "away.exr"),)), told.append)
+    assert len(told) == 1 and "away.exr has normals that look away from the camera in" in told[0]
+    with pytest.raises(InputError, match="holds no numbers"):
+        edit(BALL, Recipe(edit=(Painted(file=tmp_path / "giant.exr"),)))

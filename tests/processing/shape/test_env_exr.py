@@ -8,7 +8,7 @@ import OpenEXR
 import pytest
 
 from litrig.base.errors import FormatError, InputError
-from processing.shape.env_exr import KEY, read_environments, write_environments
+from processing.shape.env_exr import KEY, check_room, read_environments, write_environments
 from processing.shape.model import Environments
 from tests.processing.shape.scene import environments
 
@@ -50,6 +50,28 @@ def test_files_of_before_albedo_hold_shading(tmp_path: Path) -> None:
     rewritten(tmp_path / "x.env.exr", without=("diffuse_is_illumination", "reflection_is_illumination"))
     found = read_environments(tmp_path / "x.env.exr")
     assert not any(one.diffuse_is_illumination or one.reflection_is_illumination for one in found.values())
+
+
+def test_surfaces_without_reflections_are_read_again_however_well_they_pack(tmp_path: Path) -> None:
+    black = np.zeros((512, 512, 3), np.float32)
+    light = dataclasses.replace(GOOD[2], front=black, back=black)
+    write_environments(tmp_path / "x.env.exr", dict.fromkeys(range(1, 12), light))
+    assert len(read_environments(tmp_path / "x.env.exr")) == 11
+
+
+@pytest.mark.parametrize(
+    ("surfaces", "regions", "size", "reason"),
+    [
+        (257, 1, 8, "holds 256 surfaces at most, and not 257; choose those to edit with --surface"),
+        (3, 64, 4096, "73.1 GiB of environments, and takes 8 at most"),
+        (22, 1, 4096, "8.2 GiB of environments, and takes 8 at most"),
+    ],
+)
+def test_more_than_a_file_holds_is_refused_before_the_work(surfaces: int, regions: int, size: int, reason: str) -> None:
+    with pytest.raises(InputError, match=reason):
+        check_room(Path("x.env.exr"), surfaces, regions, size)
+    check_room(Path("x.env.exr"), 21, 1, 4096)
+    check_room(Path("x.env.exr"), 256, 1, 512)
 
 
 @pytest.mark.parametrize(

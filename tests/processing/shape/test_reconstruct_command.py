@@ -63,6 +63,7 @@ def test_one_surface_can_be_chosen_and_the_answer_read_by_a_program(stored: Path
         (("-o", "x.env.exr", "--surface", "5"), 1, "surface 5: is not seen; choose among 2, 7"),
         (("-o", "x.env.exr", "--diffuse", "ls", "--never-negative"), 1, "knows no bounds"),
         (("-o", "x.env.exr", "--report", "x.txt"), 1, "x.txt"),
+        (("-o", "x.env.exr", "--size", "4096", "--regions", "64"), 1, "GiB of environments"),
         (("-o", "x.env.exr", "--ridge", "-1"), 2, ""),
     ],
 )

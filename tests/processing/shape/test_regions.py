@@ -9,13 +9,13 @@ import pytest
 from litrig.base.errors import FormatError, InputError
 from processing.reference.recompose import recompose as in_numpy
 from processing.shape import harmonics
-from processing.shape.blend import recompose_regions, region_weights
 from processing.shape.env_exr import read_environments, write_environments
+from processing.shape.extended.blend import recompose_regions, region_weights
+from processing.shape.extended.divide import divide
 from processing.shape.model import Region, ShadingBuffers
 from processing.shape.recompose import recompose
 from processing.shape.reconstruct import ReconstructOptions, reconstruct
 from processing.shape.reflection.environment import ReflectionOptions
-from processing.shape.regions import divide
 from tests.processing.matcap.maps import sharp
 from tests.processing.shape.scene import buffers, bumped, diffuse_coefficients, environments
 

@@ -182,7 +182,7 @@ def test_what_is_missing_is_said_and_done_without(
 
 SPOILED: list[tuple[str, float, str]] = [
     ("diffuse.G", np.nan, "layer diffuse holds no numbers in 3 pixels"),
-    ("R", np.inf, "pixels that are no numbers in 3 pixels"),
+    ("R", np.inf, "the picture holds no numbers in 3 pixels"),
     ("normal.", 0.0, "normals of 3 pixels of surfaces have no direction"),
     ("position.", 0.0, "3 pixels in the camera itself"),
     ("surface_id.I", 2.5, "between two surfaces in 3 pixels"),

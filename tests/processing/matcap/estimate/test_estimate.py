@@ -44,15 +44,15 @@ def test_a_region_beside_the_middle_of_a_light_says_the_same() -> None:
 
 def test_of_many_regions_the_sharpest_decides() -> None:
     lights = [Primitive("spot", 0.6, 0.2), Primitive("spot", 0.9, 0.1, phi=2.8), Primitive("spot", 0.8, 0.15, phi=5)]
-    found = estimate_filter_size(matcap_of(*lights, size=128), [light.region(128) for light in lights])
+    found = estimate_filter_size(matcap_of(*lights, size=96), [light.region(96) for light in lights])
     assert found.chosen == 1
     assert found.filter_size == pytest.approx(0.01, rel=0.02)
 
 
-@pytest.mark.parametrize("shape", ["spot", "ring", "straight edge"])
+@pytest.mark.parametrize("shape", ["spot", "straight edge"])
 def test_the_sharpest_light_is_found_by_itself(shape: Shape) -> None:
     sharp, wide = Primitive(shape, 0.8, 0.1), Primitive("spot", 0.5, 0.3, phi=3.8)
-    matcap = matcap_of(sharp, size=128) if shape != "spot" else matcap_of(sharp, wide, size=128)
+    matcap = matcap_of(sharp, size=96) if shape != "spot" else matcap_of(sharp, wide, size=96)
     found = estimate_filter_size(matcap)
     assert found.filter_size == pytest.approx(sharp.variance, rel=0.05)
     chosen = found.regions[found.chosen or 0]
@@ -62,7 +62,7 @@ def test_the_sharpest_light_is_found_by_itself(shape: Shape) -> None:
 
 def test_the_flank_of_a_spot_is_not_taken_for_an_edge() -> None:
     spot = Primitive("spot", 0.7, 0.2)
-    found = estimate_filter_size(matcap_of(spot, size=128))
+    found = estimate_filter_size(matcap_of(spot, size=96))
     assert found.filter_size == pytest.approx(spot.variance, rel=0.05)
 
 

@@ -103,7 +103,7 @@ def test_a_picture_hangs_and_is_moved_by_its_name(tmp_path: Path) -> None:
 def test_a_rougher_material_has_blurred_maps_and_a_smaller_slope() -> None:
     found = done(Roughness(component=Which.HIGH, filter_size=0.12)).high
     wanted = blurred(MATCAP.high.front, MATCAP.high.back, 0.12 - MATCAP.high.filter_size)
-    np.testing.assert_allclose(found.front, wanted[0], atol=1e-6)
+    np.testing.assert_allclose(found.front, wanted[0], rtol=5e-4, atol=1e-6)  # half floats
     assert found.filter_size == 0.12
     # Its slope was .9 though μ(.02) is .99356: it stays as far below.
     assert found.slope == pytest.approx(0.9 + (1 - 0.3 * 0.12 - 1.1 * 0.12**2) - (1 - 0.3 * 0.02 - 1.1 * 0.02**2))

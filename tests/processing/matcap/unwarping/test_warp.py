@@ -3,7 +3,7 @@ import pytest
 from numpy.typing import NDArray
 
 from processing.matcap.disc import disc_normals, spread_out
-from processing.matcap.unwarping.warp import map_densities, unwarped
+from processing.matcap.unwarping.warp import unwarped
 from processing.paraboloid.maps import texel_directions
 
 F64 = NDArray[np.float64]
@@ -33,13 +33,3 @@ def test_texels_that_cover_many_pixels_are_their_mean() -> None:
     stripes[::2] = 1
     front, _ = unwarped(stripes, 0.9, 16)
     assert np.abs(front[5:11, 5:11] - 0.5).max() < 0.15
-
-
-def test_how_densely_a_map_holds_the_disc_is_how_far_apart_its_pixels_come_to_lie() -> None:
-    radii = np.array([0.1, 0.5, 0.9])
-    step = 1e-5
-    for slope in (0.0, 0.5, 1.0):
-        angles = np.arcsin(np.stack([radii - step, radii, radii + step])) * (1 + slope)
-        places = np.tan(np.minimum(angles, np.pi - angles) / 2)
-        along, across = np.abs(places[2] - places[0]) / (2 * step), places[1] / radii
-        np.testing.assert_allclose(map_densities(radii, slope), np.minimum(along, across), rtol=1e-4)

@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
 from processing.shape import harmonics
-from processing.shape.blend import region_weights
 from processing.shape.diffuse.fit import DiffuseOptions, fit_diffuse
+from processing.shape.extended.blend import region_weights
+from processing.shape.extended.divide import divide
 from processing.shape.model import Region, ShadingBuffers, SurfaceEnvironment
 from processing.shape.reflection.environment import ReflectionOptions, reconstruct_reflection
-from processing.shape.regions import divide
 
 F32 = NDArray[np.float32]
 Mask = NDArray[np.bool_]

@@ -1,6 +1,6 @@
 import numpy as np
 
-from processing.shape.illumination import illumination
+from processing.shape.albedo import illumination
 
 USED = np.ones((2, 3), bool)
 
