@@ -73,7 +73,7 @@ One thing of glossy red plastic on a grey floor, and all that is mirrored betwee
 are laid on it in mitsuba; ours is the smooth picture with the bumped normals. PSNR is in linear light over the pixels
 whose normals turn by more than a degree. "Diffuse only" leaves reflections as they were; "noise" compares two renders
 of the truth. Goal: at least 3 dB over the better of leaving the shading alone and diffuse only, for the ball among
-windows.
+windows. Where reflections are soft, or weak beside diffuse light, shading diffuse light alone comes near already.
 
 {bumps}
 
@@ -138,7 +138,7 @@ def _residuals(quality: Quality, picture: Path) -> str:
         for probe in PROBES:
             for method in ("qp", "ls"):
                 found = residuals(quality, shape, probe, method)
-                rows.append((shape, probe, method, *(f"{figure:.3f}" for figure in found)))
+                rows.append((shape, probe, method, *(f"{round(figure, 3) + 0.0:.3f}" for figure in found)))
     # The first three cells of a report of one surface.
     sheets = [read_codes(quality.folder / f"shadowed-teapot-soft-{method}.png") for method in ("qp", "ls")]
     parts = [np.asarray(sheet[:, : sheet.shape[1] // 2], np.uint8) for sheet in sheets]
