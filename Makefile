@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= demo-out
 
-.PHONY: setup demo test check docs bench oracle faults clean
+.PHONY: setup demo test check docs gallery bench oracle faults clean
 
 setup: $(VENV)/ready
 
@@ -31,6 +31,9 @@ check: setup
 
 docs: setup
 	$(BIN)/python scripts/command_reference.py docs/commands.md
+
+gallery: setup
+	$(BIN)/python examples/gallery/make.py docs/pictures
 
 bench: setup
 	$(BIN)/python -m benchmarks.run docs/benchmarks.md
