@@ -12,6 +12,8 @@ F64 = NDArray[np.float64]
 Factor = float | NDArray[np.floating]
 MISALIGNED_RAD = 0.005 * np.pi
 """ε: from here on the reflection is that of the environment alone."""
+HORIZON = 0.15
+"""Cosine to the surface as it was, from which down a mirrored ray is more and more hidden by it."""
 
 
 def recompose(
@@ -27,7 +29,8 @@ def recompose(
     Equation 5 is taken as a change of the picture, I + α·((k_D·D̃ − D₀) + (k_R·R̃ − R₀)), and the others as changes of
     D₀ and R₀, so that what is untouched keeps its value bit by bit whatever I has besides: emission, transparency; its
     gamma is the display's affair. Angles are taken from chords, which are 0 where nothing was changed. What was
-    negative before, by a filter's overshooting, may stay so; nothing else becomes it.
+    negative before, by a filter's overshooting, may stay so; nothing else becomes it. Equation 4's α_R says what hides
+    mirrored rays as they were; rays that an edit turns to below the surface are hidden by it as well.
 
     Parameters
     ----------
@@ -63,7 +66,8 @@ def recompose(
         to_eye = eyes[here].astype(np.float64)
         r, r_changed = (2 * np.sum(m * to_eye, axis=1, keepdims=True) * m - to_eye for m in (n, changed))
         angle = 2 * np.arcsin(np.minimum(1, np.linalg.norm(r - r_changed, axis=1, keepdims=True) / 2))
-        share = np.minimum(1, angle / MISALIGNED_RAD) * alpha_r
+        hidden = 1 - np.clip(np.sum(r_changed * n, axis=1, keepdims=True) / HORIZON, 0, 1)
+        share = np.minimum(1, angle / MISALIGNED_RAD) * alpha_r * (1 - hidden)
         mirrored = lookup(environment.front, environment.back, r_changed)
         if environment.reflection_is_illumination and buffers.reflection_albedo is not None:
             mirrored = mirrored * buffers.reflection_albedo[here]

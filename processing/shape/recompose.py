@@ -18,6 +18,8 @@ _MISALIGNED = np.float32(0.005 * math.pi)
 """ε of equation 4."""
 _HALF_CHORD = np.float32(math.sin(0.005 * math.pi / 2))
 """Half the chord of ε; beyond it no angle is needed."""
+_HORIZON = np.float32(0.15)
+"""Cosine to the surface as it was, from which down a mirrored ray is more and more hidden by it."""
 
 
 class Recomposer:
@@ -161,7 +163,8 @@ def _recompose(
                 dx, dy, dz = along0 * x0 - vx - rx, along0 * y0 - vy - ry, along0 * z0 - vz - rz
                 chord = half * np.sqrt(dx * dx + dy * dy + dz * dz)
                 share = one if chord >= _HALF_CHORD else two * np.arcsin(chord) / _MISALIGNED
-                share *= reflected[row, column]
+                above = (rx * x0 + ry * y0 + rz * z0) / _HORIZON
+                share *= reflected[row, column] * min(max(above, zero), one)
                 if share > zero:
                     side = 0 if rz >= zero else 1
                     below = one + abs(rz)
@@ -188,11 +191,11 @@ def _recompose(
                         rebuilt *= albedo[row, column, channel]
                     d = d0 + open_d * (max(d0 + rebuilt, min(d0, zero)) - d0)
                 if share > zero:
-                    above = maps[place, side, top, left, channel]
-                    above += u * (maps[place, side, top, right, channel] - above)
-                    under = maps[place, side, bottom, left, channel]
-                    under += u * (maps[place, side, bottom, right, channel] - under)
-                    mirrored = above + v * (under - above)
+                    upper = maps[place, side, top, left, channel]
+                    upper += u * (maps[place, side, top, right, channel] - upper)
+                    lower = maps[place, side, bottom, left, channel]
+                    lower += u * (maps[place, side, bottom, right, channel] - lower)
+                    mirrored = upper + v * (lower - upper)
                     if flags[place, 1]:
                         mirrored *= reflection_albedo[row, column, channel]
                     r = r0 + share * (mirrored - r0)

@@ -98,7 +98,7 @@ def _shade(job: _Job, environments: "Environments", recipe: "Recipe", options: "
 
     from litrig.base.errors import InputError
     from litrig.base.pictures import write_exr, write_picture
-    from processing.shape.buffers_exr import read_buffers
+    from processing.shape.buffers_exr import NORMALS, read_buffers
     from processing.shape.displayable import displayable
     from processing.shape.editing.edit import edit
     from processing.shape.extended.blend import recompose_regions
@@ -131,6 +131,6 @@ def _shade(job: _Job, environments: "Environments", recipe: "Recipe", options: "
     write_picture(job.output, shown)
     if job.normals_out is not None:
         channels = {f"normal.{axis}": np.ascontiguousarray(edited.normals[..., k]) for k, axis in enumerate("XYZ")}
-        write_exr(job.normals_out, channels, {"litrig.kind": "normals"})
+        write_exr(job.normals_out, channels, {"litrig.kind": NORMALS})
     click.echo(f"{job.output}: {picture.shape[1]} × {picture.shape[0]} pixels, {np.mean(changed):.1%} of them changed")
     return buffers.seen

@@ -22,6 +22,7 @@ uniform vec2 factors; // k_D, k_R
 out vec4 value;
 
 const float MISALIGNED = 0.005 * 3.141592653589793; // ε
+const float HORIZON = 0.15; // cosine to the surface as it was, from which down a mirrored ray is more and more hidden by it
 
 // Differences of the harmonics from order 1 up, taken before they are weighted: equal normals differ by nothing at all.
 vec3 diffuse_change(vec3 from, vec3 to, int surface) {
@@ -69,7 +70,7 @@ void main() {
     vec3 r = reflect(-eye, n), new_r = reflect(-eye, changed);
     // The chord, and not the cosine, is nothing where nothing was changed.
     float angle = 2.0 * asin(min(1.0, 0.5 * length(r - new_r)));
-    float share = min(1.0, angle / MISALIGNED) * r0.a;
+    float share = min(1.0, angle / MISALIGNED) * r0.a * clamp(dot(new_r, n) / HORIZON, 0.0, 1.0);
     vec3 mirrored = environment(new_r, surface) * mix(vec3(1.0), texel(reflection_albedo, at).rgb, is_illumination.y);
     vec3 new_reflection = r0.rgb + share * (mirrored - r0.rgb);
     // Written as a change, which is none in what the picture has besides.
