@@ -6,14 +6,13 @@ from numpy.typing import NDArray
 from processing.paraboloid.read import lookup
 from processing.shape import harmonics
 from processing.shape.albedo import check_reflectance
+from processing.shape.horizon import HORIZON
 from processing.shape.model import Environments, ShadingBuffers
 
 F64 = NDArray[np.float64]
 Factor = float | NDArray[np.floating]
 MISALIGNED_RAD = 0.005 * np.pi
 """ε: from here on the reflection is that of the environment alone."""
-HORIZON = 0.15
-"""Cosine to the surface as it was, from which down a mirrored ray is more and more hidden by it."""
 
 
 def recompose(
@@ -23,6 +22,7 @@ def recompose(
     *,
     diffuse_factor: Factor = 1.0,
     reflection_factor: Factor = 1.0,
+    horizon: float = HORIZON,
 ) -> F64:
     """Shade a picture again under changed normals (the Shape paper, equations 3 to 5, in linear light).
 
@@ -36,6 +36,7 @@ def recompose(
     ----------
     normals : (H, W, 3) unit, ñ; surfaces without an environment stay as they are
     diffuse_factor, reflection_factor : k_D and k_R, for all pixels or (H, W)
+    horizon : r̃·n from which down the surface hides mirrored rays; 0 is equation 4 as it is printed
 
     Returns
     -------
@@ -66,8 +67,9 @@ def recompose(
         to_eye = eyes[here].astype(np.float64)
         r, r_changed = (2 * np.sum(m * to_eye, axis=1, keepdims=True) * m - to_eye for m in (n, changed))
         angle = 2 * np.arcsin(np.minimum(1, np.linalg.norm(r - r_changed, axis=1, keepdims=True) / 2))
-        hidden = 1 - np.clip(np.sum(r_changed * n, axis=1, keepdims=True) / HORIZON, 0, 1)
-        share = np.minimum(1, angle / MISALIGNED_RAD) * alpha_r * (1 - hidden)
+        share = np.minimum(1, angle / MISALIGNED_RAD) * alpha_r
+        if horizon > 0:
+            share = share * np.clip(np.sum(r_changed * n, axis=1, keepdims=True) / horizon, 0, 1)
         mirrored = lookup(environment.front, environment.back, r_changed)
         if environment.reflection_is_illumination and buffers.reflection_albedo is not None:
             mirrored = mirrored * buffers.reflection_albedo[here]

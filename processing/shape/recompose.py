@@ -9,6 +9,7 @@ from litrig.base.errors import InputError
 from litrig.base.kernels import kernel
 from processing.shape.albedo import check_reflectance
 from processing.shape.bands import in_bands
+from processing.shape.horizon import HORIZON
 from processing.shape.model import BACKGROUND, Environments, ShadingBuffers
 
 F32 = NDArray[np.float32]
@@ -18,8 +19,6 @@ _MISALIGNED = np.float32(0.005 * math.pi)
 """ε of equation 4."""
 _HALF_CHORD = np.float32(math.sin(0.005 * math.pi / 2))
 """Half the chord of ε; beyond it no angle is needed."""
-_HORIZON = np.float32(0.15)
-"""Cosine to the surface as it was, from which down a mirrored ray is more and more hidden by it."""
 
 
 class Recomposer:
@@ -56,13 +55,21 @@ class Recomposer:
         self._albedo = none if buffers.albedo is None else buffers.albedo
         self._reflection_albedo = none if buffers.reflection_albedo is None else buffers.reflection_albedo
 
-    def picture(self, normals: F32, *, diffuse_factor: Factor = 1.0, reflection_factor: Factor = 1.0) -> F32:
+    def picture(
+        self,
+        normals: F32,
+        *,
+        diffuse_factor: Factor = 1.0,
+        reflection_factor: Factor = 1.0,
+        horizon: float = HORIZON,
+    ) -> F32:
         """Shade the picture under other normals; what has the same ones, and factors of 1, keeps its bits.
 
         Parameters
         ----------
         normals : (H, W, 3) unit, view frame
         diffuse_factor, reflection_factor : k_D and k_R of equation 5, for all pixels or (H, W)
+        horizon : r̃·n from which down the surface hides mirrored rays; 0 is equation 4 as it is printed
 
         Returns
         -------
@@ -88,7 +95,7 @@ class Recomposer:
         light = (self._harmonics, self._maps, self._flags, self._albedo, self._reflection_albedo)
 
         def shade(first: int, end: int) -> None:
-            _recompose(first, end, *planes, new, self._to_eye, self._places, *light, k_d, k_r)
+            _recompose(first, end, *planes, new, self._to_eye, self._places, *light, k_d, k_r, np.float32(horizon))
 
         in_bands(height, shade)
         return picture
@@ -101,10 +108,11 @@ def recompose(
     *,
     diffuse_factor: Factor = 1.0,
     reflection_factor: Factor = 1.0,
+    horizon: float = HORIZON,
 ) -> F32:
     """Shade a picture again once, as `Recomposer.picture` does."""
     return Recomposer(buffers, environments).picture(
-        normals, diffuse_factor=diffuse_factor, reflection_factor=reflection_factor
+        normals, diffuse_factor=diffuse_factor, reflection_factor=reflection_factor, horizon=horizon
     )
 
 
@@ -129,6 +137,7 @@ def _recompose(
     reflection_albedo: F32,
     k_d: F32,
     k_r: F32,
+    horizon: np.float32,
 ) -> None:
     zero, one, half, two = np.float32(0), np.float32(1), np.float32(0.5), np.float32(2)
     width = places.shape[1]
@@ -163,8 +172,9 @@ def _recompose(
                 dx, dy, dz = along0 * x0 - vx - rx, along0 * y0 - vy - ry, along0 * z0 - vz - rz
                 chord = half * np.sqrt(dx * dx + dy * dy + dz * dz)
                 share = one if chord >= _HALF_CHORD else two * np.arcsin(chord) / _MISALIGNED
-                above = (rx * x0 + ry * y0 + rz * z0) / _HORIZON
-                share *= reflected[row, column] * min(max(above, zero), one)
+                share *= reflected[row, column]
+                if horizon > zero:
+                    share *= min(max((rx * x0 + ry * y0 + rz * z0) / horizon, zero), one)
                 if share > zero:
                     side = 0 if rz >= zero else 1
                     below = one + abs(rz)
