@@ -8,7 +8,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from benchmarks import oracle_estimate, oracle_synthesis, oracle_tables, oracle_turned_light
+from benchmarks import oracle_estimate, oracle_shape, oracle_synthesis, oracle_tables, oracle_turned_light
 from firmware_sim.mitsuba.variants import FAST, best_variant
 from tests.oracle.shoot import LAMP_SHARE, LIGHTS, SLICES, TRUTH_FACTOR, Studio
 
@@ -135,12 +135,16 @@ cannot be told from diffuse light.
 The picture, its diffuse and specular part, low and high frequencies, of roughness .12 and .25, twice as bright:
 
 ![Plastic balls and their parts](pictures/matcap-parts.png)
+
+## Shape edited after rendering
+
+{shape}
 """
 SLOW = " This variant is slow, so pixels and samples are fewer than with LLVM."
 
 
-def page(studio: Studio) -> str:
-    """Measure all tables and return the page."""
+def page(studio: Studio, pictures: Path) -> str:
+    """Measure all tables, write pictures, and return the page."""
     return TEXT.format(
         version=importlib.metadata.version("mitsuba"),
         variant=studio.variant,
@@ -164,6 +168,7 @@ def page(studio: Studio) -> str:
         turns=oracle_turned_light.turns(studio),
         matcap_filters=oracle_turned_light.filters(studio),
         parts=oracle_turned_light.parts(studio),
+        shape=oracle_shape.sections(studio.variant, studio.folder, pictures),
     )
 
 
@@ -171,10 +176,11 @@ def main() -> None:
     variant = best_variant()
     side_px, samples = (SIDE_PX, SAMPLES) if variant == FAST else (SLOW_SIDE_PX, SLOW_SAMPLES)
     with tempfile.TemporaryDirectory() as name:
-        studio = Studio(variant, side_px, samples, Path(name))
-        text = page(studio)
-        oracle_turned_light.draw(studio, Path(sys.argv[1]).parent / "pictures")
-    Path(sys.argv[1]).write_text(text, encoding="utf-8")
+        target = Path(sys.argv[1])
+        studio, pictures = Studio(variant, side_px, samples, Path(name)), target.parent / "pictures"
+        text = page(studio, pictures)
+        oracle_turned_light.draw(studio, pictures)
+    target.write_text(text, encoding="utf-8")
     sys.stdout.write(text)
 
 

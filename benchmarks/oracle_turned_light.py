@@ -41,13 +41,12 @@ def quality_of(studio: Studio) -> Quality:
 def filters(studio: Studio) -> str:
     """Say what filters are estimated."""
     lines = [
-        "| ball | ν low | μ low | ν high | μ high | α²/2 of its microfacets |",
-        "| --- | --- | --- | --- | --- | --- |",
+        "| ball | ν high | μ high | α²/2 of its microfacets |",
+        "| --- | --- | --- | --- |",
     ]
     for name, material in BALLS.items():
-        found = taken_apart(quality_of(studio), name)
-        low, high = found.low, found.high
-        numbers = (low.filter_size, low.slope, high.filter_size, high.slope, material["alpha"] ** 2 / 2)
+        high = taken_apart(quality_of(studio), name).high
+        numbers = (high.filter_size, high.slope, material["alpha"] ** 2 / 2)
         lines.append(f"| {name} | " + " | ".join(f"{number:.4f}" for number in numbers) + " |")
     return "\n".join(lines)
 

@@ -30,7 +30,7 @@ _WHITE = 1 - 1 / 512
     type=FiniteRange(0, 10),
     nargs=2,
     metavar="NU_LOW NU_HIGH",
-    help="The materials' filters: variances in radians squared. By default they are estimated.",
+    help="The materials' filters: variances in radians squared. By default low is matt (0.467), and high is estimated.",
 )
 @click.option(
     "--slopes",
@@ -170,19 +170,22 @@ def _filters(
 ) -> "tuple[tuple[Filter, Filter], list[str]]":
     """Return the filters as they were given or are estimated, and what a person should know about that."""
     from processing.matcap.decompose import Filter
+    from processing.matcap.filter import MATT_FILTER_SIZE
 
     remarks: list[str] = []
     if sizes is None and slopes is not None:
         return (Filter.of_slope(slopes[0]), Filter.of_slope(slopes[1])), remarks
     if sizes is None:
-        sizes, remarks = _estimated(images, low, high)
+        high_size, remarks = _estimated(images, low, high)
+        sizes = (MATT_FILTER_SIZE, high_size)
     filters = (Filter.of_size(sizes[0]), Filter.of_size(sizes[1]))
     if slopes is not None:
         filters = (Filter(sizes[0], slopes[0]), Filter(sizes[1], slopes[1]))
     return filters, remarks
 
 
-def _estimated(images: tuple[Path, ...], low: "F32", high: "F32") -> tuple[tuple[float, float], list[str]]:
+def _estimated(images: tuple[Path, ...], low: "F32", high: "F32") -> tuple[float, list[str]]:
+    """Estimate the filter of the high frequencies; that of the low ones is matt by how they are told apart."""
     import numpy as np
 
     from litrig.base.errors import InputError
@@ -192,11 +195,10 @@ def _estimated(images: tuple[Path, ...], low: "F32", high: "F32") -> tuple[tuple
     ends_at_white = images[0].suffix.lower() in DISPLAY_ENDINGS
     clipped = (low + high).max(axis=2) >= _WHITE if ends_at_white else np.zeros(low.shape[:2], bool)
     try:
-        found = [estimate_filter_size(layer, clipped=clipped) for layer in (low, high)]
+        found = estimate_filter_size(high, clipped=clipped)
     except InputError as error:
         raise InputError(f"{images[0]}: its filters cannot be estimated ({error}); give --filter-sizes") from error
-    remarks = [f"{name}: {remark}" for name, one in zip(("low", "high"), found, strict=True) for remark in one.remarks]
-    return (found[0].filter_size, found[1].filter_size), remarks
+    return found.filter_size, [f"high: {remark}" for remark in found.remarks]
 
 
 def _short(number: float) -> float:

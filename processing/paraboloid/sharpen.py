@@ -17,6 +17,8 @@ Pair = tuple[F32, F32]
 ROUNDS = 10
 _TEXELS = 4.0
 """A standard deviation of the blur that is taken back has at least so many texels, where a map has that many."""
+_TEXEL_RAD = 4.0
+"""What a texel in the middle of a map is wide, times the map's side."""
 _NOISE_TEXELS = 1.0
 _CERTAIN = 6.0
 """Light is believed to vary where its variance is more than so many times its noise's."""
@@ -34,7 +36,7 @@ def sharpened(front: F32, back: F32, variance: float, rounds: int = ROUNDS) -> P
 
     Returns
     -------
-    front, back : (S, S, 3) float32, not negative
+    front, back : (S, S, 3) float32, not negative; as they came where the blur is narrower than a texel
 
     Raises
     ------
@@ -45,10 +47,12 @@ def sharpened(front: F32, back: F32, variance: float, rounds: int = ROUNDS) -> P
         return front, back
     if not 0 < variance < np.inf:
         raise InputError(f"sharpen: a variance of {variance:g} is none; give 0 or more, in radians squared")
+    if np.sqrt(variance) < _TEXEL_RAD / front.shape[0]:
+        return front, back
     given = np.stack([front, back]).astype(np.float32)
     # What was blurred so much needs no more texels than this.
     size = front.shape[0]
-    while size % 2 == 0 and size // 2 >= _TEXELS * 4 / np.sqrt(variance):
+    while size % 2 == 0 and size // 2 >= _TEXELS * _TEXEL_RAD / np.sqrt(variance):
         size //= 2
     change = _change(np.stack(resized(given[0], given[1], size)), variance, rounds)
     result = np.maximum(given + np.stack(resized(change[0], change[1], front.shape[0])), np.minimum(given, 0))

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from processing.paraboloid.read import lookup
 from processing.shape import harmonics
 from processing.shape.albedo import check_reflectance
+from processing.shape.horizon import HORIZON
 from processing.shape.model import Environments, ShadingBuffers
 
 F64 = NDArray[np.float64]
@@ -21,18 +22,21 @@ def recompose(
     *,
     diffuse_factor: Factor = 1.0,
     reflection_factor: Factor = 1.0,
+    horizon: float = HORIZON,
 ) -> F64:
     """Shade a picture again under changed normals (the Shape paper, equations 3 to 5, in linear light).
 
     Equation 5 is taken as a change of the picture, I + α·((k_D·D̃ − D₀) + (k_R·R̃ − R₀)), and the others as changes of
     D₀ and R₀, so that what is untouched keeps its value bit by bit whatever I has besides: emission, transparency; its
     gamma is the display's affair. Angles are taken from chords, which are 0 where nothing was changed. What was
-    negative before, by a filter's overshooting, may stay so; nothing else becomes it.
+    negative before, by a filter's overshooting, may stay so; nothing else becomes it. Equation 4's α_R says what hides
+    mirrored rays as they were; rays that an edit turns to below the surface are hidden by it as well.
 
     Parameters
     ----------
     normals : (H, W, 3) unit, ñ; surfaces without an environment stay as they are
     diffuse_factor, reflection_factor : k_D and k_R, for all pixels or (H, W)
+    horizon : r̃·n from which down the surface hides mirrored rays; 0 is equation 4 as it is printed
 
     Returns
     -------
@@ -64,6 +68,8 @@ def recompose(
         r, r_changed = (2 * np.sum(m * to_eye, axis=1, keepdims=True) * m - to_eye for m in (n, changed))
         angle = 2 * np.arcsin(np.minimum(1, np.linalg.norm(r - r_changed, axis=1, keepdims=True) / 2))
         share = np.minimum(1, angle / MISALIGNED_RAD) * alpha_r
+        if horizon > 0:
+            share = share * np.clip(np.sum(r_changed * n, axis=1, keepdims=True) / horizon, 0, 1)
         mirrored = lookup(environment.front, environment.back, r_changed)
         if environment.reflection_is_illumination and buffers.reflection_albedo is not None:
             mirrored = mirrored * buffers.reflection_albedo[here]

@@ -17,21 +17,23 @@ from litrig.base.errors import FormatError, InputError
 from processing.exr_parts import listed, require
 from processing.shape.buffers.alpha import straightened
 from processing.shape.buffers.camera import CameraSaid, world_to_camera
-from processing.shape.buffers.channels import read_channels
+from processing.shape.buffers.channels import Stored, read_channels
 from processing.shape.buffers.layers import Found, Layers, find_buffers
-from processing.shape.buffers.names import BUFFERS, Recipe, parse_recipe
+from processing.shape.buffers.names import BUFFERS, DIALECTS, Recipe, parse_recipe
 from processing.shape.buffers.pixels import LARGEST, Pixels, decoded_normals, share, surface_numbers
 from processing.shape.buffers.view import view_of
 from processing.shape.model import BACKGROUND, ShadingBuffers
 
 F32 = NDArray[np.float32]
 Tell = Callable[[str], None]
+NORMALS = "normals"
+"""Kind of the files that litrig writes normals to, in the view frame."""
 _NEEDED = {
     "picture": ("R", "G", "B"),
     "diffuse": ("diffuse.R", "diffuse.G", "diffuse.B"),
     "normal": ("normal.X", "normal.Y", "normal.Z"),
 }
-_NORMAL_RECIPES = tuple(Recipe((name,)) for name in ("normal", "N", "Normal"))
+_NORMAL_RECIPES = tuple(recipe for names in DIALECTS.values() for recipe in names.get("normal", ()))
 
 
 @dataclass(frozen=True)
@@ -126,6 +128,7 @@ def read_buffers(path: Path, options: ReadOptions | None = None, tell: Tell | No
         albedo=pixels.only_shown(made["albedo"]) if "albedo" in made else None,
         reflection_albedo=pixels.only_shown(made["reflection_albedo"]) if "reflection_albedo" in made else None,
         orthographic=seen.orthographic,
+        stored_turn=None if _said_in_header(path, stored, options) else _rows(seen.turn),
     )
     pixels.check_facing(read.normals, read.to_eye)
     left = pixels.shown != (surfaces != BACKGROUND)
@@ -137,20 +140,22 @@ def read_buffers(path: Path, options: ReadOptions | None = None, tell: Tell | No
     return read
 
 
-def read_normals(
-    path: Path, buffers: ShadingBuffers, options: ReadOptions | None = None, tell: Tell | None = None
-) -> F32:
-    """Read other normals for the surfaces of a picture, (H, W, 3): `normal.X/Y/Z`, `X Y Z` or `R G B`, signed.
+def read_normals(path: Path, buffers: ShadingBuffers, tell: Tell | None = None, *, in_surface: bool = False) -> F32:
+    """Read other normals for the surfaces of a picture, (H, W, 3): `normal.X/Y/Z`, bare `X Y Z` or `R G B`, signed.
 
-    They are in the same frame as the picture's: the world's if the header has `worldToCamera`. Where the picture's own
-    normals cannot be used, neither are these.
+    Any renderer's name for normals will do. They are in the same frame as the picture's: the world's if the header has
+    `worldToCamera`, or if for the picture the user said where the camera is; but litrig's own are in the view frame.
+    Where the picture's own normals cannot be used, neither are these.
+
+    Parameters
+    ----------
+    in_surface : they are in no such frame, for z is the surface's own normal
 
     Raises
     ------
     InputError, FormatError
         The file cannot be read, is damaged or of another size, or holds no directions where a surface is seen.
     """
-    options = options or ReadOptions()
     stored = read_channels(path)
     layers = Layers(stored.planes)
     fits = (layers.resolve(recipe, "normal") for recipe in _NORMAL_RECIPES)
@@ -173,14 +178,25 @@ def read_normals(
     require(path, not lost, f"holds no numbers in {lost} pixels of surfaces; mend it")
     normals = decoded_normals(normals, shown, tell or (lambda _: None))
     normals = np.where(shown[..., None], normals, 0).astype(np.float32)
-    matrix = world_to_camera(path, stored.header, options.camera)
+    matrix = world_to_camera(path, stored.header, CameraSaid())
     if matrix is not None:
         normals = (normals @ matrix[:3, :3]).astype(np.float32)
+    elif buffers.stored_turn is not None and not in_surface and stored.header.get("litrig.kind") != NORMALS:
+        normals = (normals @ np.array(buffers.stored_turn)).astype(np.float32)
     length = np.linalg.norm(normals, axis=-1, keepdims=True)
     flat = int(np.count_nonzero(length[shown] < 1e-3))
     require(path, not flat, f"normals of {flat} pixels of surfaces have no direction; mend them")
     unit: F32 = (normals / np.where(length < 1e-3, 1, length)).astype(np.float32)
     return unit
+
+
+def _said_in_header(path: Path, stored: Stored, options: ReadOptions) -> bool:
+    said = options.camera.world_to_camera is not None
+    return not said and world_to_camera(path, stored.header, CameraSaid()) is not None
+
+
+def _rows(turn: NDArray[np.float64]) -> tuple[tuple[float, ...], ...] | None:
+    return None if np.array_equal(turn, np.eye(3)) else tuple(tuple(row) for row in turn.tolist())
 
 
 _UNREAD = frozenset({"surface_id", "emission", "transparency"})

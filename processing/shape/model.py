@@ -27,6 +27,8 @@ class ShadingBuffers:
     albedo, reflection_albedo : (H, W, 3) float32, what illumination is multiplied by to give D₀ and R₀; None where the
         renderer did not tell
     orthographic : every pixel is seen along −z; positions may then be missing, and stand at (0, 0, −1)
+    stored_turn : three rows that normals in other files of the same camera are multiplied by, where those do not say it
+        themselves; None leaves them as they are
     """
 
     picture: F32
@@ -41,6 +43,7 @@ class ShadingBuffers:
     albedo: F32 | None = None
     reflection_albedo: F32 | None = None
     orthographic: bool = False
+    stored_turn: tuple[tuple[float, ...], ...] | None = None
 
     @property
     def shape(self) -> tuple[int, int]:

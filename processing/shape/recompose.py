@@ -9,6 +9,7 @@ from litrig.base.errors import InputError
 from litrig.base.kernels import kernel
 from processing.shape.albedo import check_reflectance
 from processing.shape.bands import in_bands
+from processing.shape.horizon import HORIZON
 from processing.shape.model import BACKGROUND, Environments, ShadingBuffers
 
 F32 = NDArray[np.float32]
@@ -54,13 +55,21 @@ class Recomposer:
         self._albedo = none if buffers.albedo is None else buffers.albedo
         self._reflection_albedo = none if buffers.reflection_albedo is None else buffers.reflection_albedo
 
-    def picture(self, normals: F32, *, diffuse_factor: Factor = 1.0, reflection_factor: Factor = 1.0) -> F32:
+    def picture(
+        self,
+        normals: F32,
+        *,
+        diffuse_factor: Factor = 1.0,
+        reflection_factor: Factor = 1.0,
+        horizon: float = HORIZON,
+    ) -> F32:
         """Shade the picture under other normals; what has the same ones, and factors of 1, keeps its bits.
 
         Parameters
         ----------
         normals : (H, W, 3) unit, view frame
         diffuse_factor, reflection_factor : k_D and k_R of equation 5, for all pixels or (H, W)
+        horizon : r̃·n from which down the surface hides mirrored rays; 0 is equation 4 as it is printed
 
         Returns
         -------
@@ -86,7 +95,7 @@ class Recomposer:
         light = (self._harmonics, self._maps, self._flags, self._albedo, self._reflection_albedo)
 
         def shade(first: int, end: int) -> None:
-            _recompose(first, end, *planes, new, self._to_eye, self._places, *light, k_d, k_r)
+            _recompose(first, end, *planes, new, self._to_eye, self._places, *light, k_d, k_r, np.float32(horizon))
 
         in_bands(height, shade)
         return picture
@@ -99,10 +108,11 @@ def recompose(
     *,
     diffuse_factor: Factor = 1.0,
     reflection_factor: Factor = 1.0,
+    horizon: float = HORIZON,
 ) -> F32:
     """Shade a picture again once, as `Recomposer.picture` does."""
     return Recomposer(buffers, environments).picture(
-        normals, diffuse_factor=diffuse_factor, reflection_factor=reflection_factor
+        normals, diffuse_factor=diffuse_factor, reflection_factor=reflection_factor, horizon=horizon
     )
 
 
@@ -127,6 +137,7 @@ def _recompose(
     reflection_albedo: F32,
     k_d: F32,
     k_r: F32,
+    horizon: np.float32,
 ) -> None:
     zero, one, half, two = np.float32(0), np.float32(1), np.float32(0.5), np.float32(2)
     width = places.shape[1]
@@ -162,6 +173,8 @@ def _recompose(
                 chord = half * np.sqrt(dx * dx + dy * dy + dz * dz)
                 share = one if chord >= _HALF_CHORD else two * np.arcsin(chord) / _MISALIGNED
                 share *= reflected[row, column]
+                if horizon > zero:
+                    share *= min(max((rx * x0 + ry * y0 + rz * z0) / horizon, zero), one)
                 if share > zero:
                     side = 0 if rz >= zero else 1
                     below = one + abs(rz)
@@ -188,11 +201,11 @@ def _recompose(
                         rebuilt *= albedo[row, column, channel]
                     d = d0 + open_d * (max(d0 + rebuilt, min(d0, zero)) - d0)
                 if share > zero:
-                    above = maps[place, side, top, left, channel]
-                    above += u * (maps[place, side, top, right, channel] - above)
-                    under = maps[place, side, bottom, left, channel]
-                    under += u * (maps[place, side, bottom, right, channel] - under)
-                    mirrored = above + v * (under - above)
+                    upper = maps[place, side, top, left, channel]
+                    upper += u * (maps[place, side, top, right, channel] - upper)
+                    lower = maps[place, side, bottom, left, channel]
+                    lower += u * (maps[place, side, bottom, right, channel] - lower)
+                    mirrored = upper + v * (lower - upper)
                     if flags[place, 1]:
                         mirrored *= reflection_albedo[row, column, channel]
                     r = r0 + share * (mirrored - r0)

@@ -10,6 +10,7 @@ import click
 from processing.command_parts import PATH, PICTURES, check_kept, check_output, echo_clipped
 from processing.shape.buffers_options import buffers_options, say
 from processing.shape.edit_options import edit_options
+from processing.shape.horizon import HORIZON
 
 if TYPE_CHECKING:
     from processing.shape.buffers_exr import ReadOptions
@@ -22,6 +23,15 @@ if TYPE_CHECKING:
 @click.argument("environment", metavar="X.env.exr", type=PATH)
 @edit_options
 @buffers_options
+@click.option(
+    "--horizon",
+    metavar="COSINE",
+    type=click.FloatRange(0, 1),
+    default=HORIZON,
+    show_default=True,
+    help="Mirrored rays that an edit turns below this cosine to the surface are more and more hidden by it; 0: never, "
+    "as the paper has it.",
+)
 @click.option("--save-recipe", metavar="RECIPE", type=PATH, help="Write all edits as .recipe.toml.")
 @click.option("--normals-out", metavar="EXR", type=PATH, help="Write the edited normals, view frame.")
 @click.option("-o", "--output", metavar="IMAGE", type=PATH, required=True, help="EXR, PNG, JPEG or TIFF to write.")
@@ -30,6 +40,7 @@ def recompose(
     environment: Path,
     make_recipe: "Callable[[], Recipe]",
     read_options: "Callable[[], ReadOptions]",
+    horizon: float,
     save_recipe: Path | None,
     normals_out: Path | None,
     output: Path,
@@ -57,7 +68,7 @@ def recompose(
     environments = read_environments(environment)
     seen: set[int] = set()
     for job, edits in zip(jobs, recipes, strict=True):
-        seen |= set(_shade(job, environments, edits, options))
+        seen |= set(_shade(job, environments, edits, options, horizon))
     if strange := sorted({number for one in recipe.edit for number in one.surfaces} - seen):
         say(f"no frame shows surface {', '.join(map(str, strange))}")
     if save_recipe is not None:
@@ -90,7 +101,9 @@ def _jobs(file: Path, output: Path, normals_out: Path | None) -> list[_Job]:
     ]
 
 
-def _shade(job: _Job, environments: "Environments", recipe: "Recipe", options: "ReadOptions") -> list[int]:
+def _shade(
+    job: _Job, environments: "Environments", recipe: "Recipe", options: "ReadOptions", horizon: float
+) -> list[int]:
     """Shade one picture, and return the surfaces that it shows."""
     from dataclasses import replace
 
@@ -98,7 +111,7 @@ def _shade(job: _Job, environments: "Environments", recipe: "Recipe", options: "
 
     from litrig.base.errors import InputError
     from litrig.base.pictures import write_exr, write_picture
-    from processing.shape.buffers_exr import read_buffers
+    from processing.shape.buffers_exr import NORMALS, read_buffers
     from processing.shape.displayable import displayable
     from processing.shape.editing.edit import edit
     from processing.shape.extended.blend import recompose_regions
@@ -124,6 +137,7 @@ def _shade(job: _Job, environments: "Environments", recipe: "Recipe", options: "
         edited.normals,
         diffuse_factor=edited.diffuse_factor,
         reflection_factor=edited.reflection_factor,
+        horizon=horizon,
     )
     changed = np.any(picture != buffers.picture, axis=-1) & (buffers.surfaces > 0)
     shown = displayable(picture, job.output, say)
@@ -131,6 +145,6 @@ def _shade(job: _Job, environments: "Environments", recipe: "Recipe", options: "
     write_picture(job.output, shown)
     if job.normals_out is not None:
         channels = {f"normal.{axis}": np.ascontiguousarray(edited.normals[..., k]) for k, axis in enumerate("XYZ")}
-        write_exr(job.normals_out, channels, {"litrig.kind": "normals"})
+        write_exr(job.normals_out, channels, {"litrig.kind": NORMALS})
     click.echo(f"{job.output}: {picture.shape[1]} × {picture.shape[0]} pixels, {np.mean(changed):.1%} of them changed")
     return buffers.seen

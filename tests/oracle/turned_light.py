@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from processing.matcap.decompose import Filter, decompose
 from processing.matcap.disc import disc_normals
 from processing.matcap.estimate.estimate import estimate_filter_size
+from processing.matcap.filter import MATT_FILTER_SIZE
 from processing.matcap.model import DecomposedMatcap
 from processing.matcap.render import disc_picture
 from processing.matcap.separation.separate import Form, separate
@@ -81,14 +82,12 @@ class Parts(NamedTuple):
 
 @cache
 def taken_apart(quality: Quality, name: str) -> DecomposedMatcap:
-    """Take the picture of a ball apart, with estimated filters."""
+    """Take the picture of a ball apart: low frequencies as matt, the filter of high ones estimated."""
     layers = separate(ball(quality, name).picture)
     unclipped = np.zeros(layers.known.shape, np.bool_)
     low, high = layers.low.astype(np.float32), layers.high.astype(np.float32)
-    first, second = (
-        Filter.of_size(estimate_filter_size(layer, clipped=unclipped).filter_size) for layer in (low, high)
-    )
-    return decompose(low, high, layers.known, (first, second))
+    found = estimate_filter_size(high, clipped=unclipped).filter_size
+    return decompose(low, high, layers.known, (Filter.of_size(MATT_FILTER_SIZE), Filter.of_size(found)))
 
 
 @cache

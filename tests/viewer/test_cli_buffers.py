@@ -66,8 +66,11 @@ def test_a_recipe_is_carried_out_on_the_card_as_on_the_processor(files: Path, tm
     words: list[str | Path | float] = ["--environment", files / "scene.env.exr", "--recipe", tmp_path / "x.recipe.toml"]
     run(files / "scene.exr", "-o", tmp_path / "x.exr", *words)
     edited = edit(BUFFERS, Recipe(edit=edits))
-    factors = {"diffuse_factor": edited.diffuse_factor, "reflection_factor": edited.reflection_factor}
-    truth = recompose_quickly(BUFFERS, LIGHT, edited.normals, **factors)
+    truth = recompose_quickly(
+        *(BUFFERS, LIGHT, edited.normals),
+        diffuse_factor=edited.diffuse_factor,
+        reflection_factor=edited.reflection_factor,
+    )
     drawn = read_linear(tmp_path / "x.exr")
     assert np.abs(truth - BUFFERS.picture).max() > 0.1
     assert np.quantile(np.abs(encode_srgb(drawn) - encode_srgb(truth)), 0.999) <= 2 / 255

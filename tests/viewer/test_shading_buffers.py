@@ -80,7 +80,7 @@ def test_where_nothing_is_in_the_way_it_is_the_shading_of_the_new_normals(render
     ones = np.ones_like(BUFFERS.coverage)
     rays = BUFFERS.positions / np.maximum(np.linalg.norm(BUFFERS.positions, axis=-1, keepdims=True), 1e-9)
     opened = dataclasses.replace(BUFFERS, ambient_occlusion=ones, reflection_occlusion=ones)
-    drawn = recomposed_picture(renderer, opened, environments(256), normals)
+    drawn = recomposed_picture(renderer, opened, environments(256), normals, horizon=0)
     for number in TINT:
         here = (BUFFERS.surfaces == number) & (BUFFERS.coverage == 1) & np.any(normals != BUFFERS.normals, axis=-1)
         assert here.sum() > 500

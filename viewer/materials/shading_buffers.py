@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
 from processing.shape.albedo import check_reflectance
+from processing.shape.horizon import HORIZON
 from processing.shape.model import BACKGROUND, Environments, ShadingBuffers, SurfaceEnvironment
 from viewer.geometry import whole_picture
 from viewer.gl_context import GlContext
-from viewer.look import Look, Texture
+from viewer.look import Look, Texture, UniformValue
 from viewer.renderer import Renderer
 
 F32 = NDArray[np.float32]
@@ -88,14 +89,15 @@ class ShadingBuffersMaterial:
         with self._gl.moderngl:
             self._new_normals.write(np.ascontiguousarray(normals, "<f4").tobytes(), alignment=1)
 
-    def look(self, *, diffuse_factor: float = 1.0, reflection_factor: float = 1.0) -> Look:
+    def look(self, *, diffuse_factor: float = 1.0, reflection_factor: float = 1.0, horizon: float = HORIZON) -> Look:
         """Say how it is drawn, on `whole_picture` at its own size; row 0 is drawn at the bottom.
 
         Parameters
         ----------
         diffuse_factor, reflection_factor : k_D and k_R of the paper's equation 5
+        horizon : r̃·n from which down the surface hides mirrored rays; 0 is equation 4 as it is printed
         """
-        uniforms = {"factors": (diffuse_factor, reflection_factor)}
+        uniforms: dict[str, UniformValue] = {"factors": (diffuse_factor, reflection_factor), "horizon": horizon}
         return Look("recompose.frag", uniforms, self._textures, vertex="flat.vert")
 
     def release(self) -> None:
@@ -111,6 +113,7 @@ def recomposed_picture(
     *,
     diffuse_factor: float = 1.0,
     reflection_factor: float = 1.0,
+    horizon: float = HORIZON,
     factor_maps: tuple[F32, F32] | None = None,
 ) -> F32:
     """Shade a picture again under changed normals, once.
@@ -129,7 +132,7 @@ def recomposed_picture(
         renderer.upload(whole_picture) as everything,
     ):
         material.change_normals(normals)
-        look = material.look(diffuse_factor=diffuse_factor, reflection_factor=reflection_factor)
+        look = material.look(diffuse_factor=diffuse_factor, reflection_factor=reflection_factor, horizon=horizon)
         return renderer.picture(look, everything, size=(width, height))[::-1, :, :3]
 
 

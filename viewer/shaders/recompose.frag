@@ -18,6 +18,7 @@ uniform sampler2D harmonics;         // nine coefficients of a surface in a row,
 uniform sampler2DArray environment_front; // a layer each surface
 uniform sampler2DArray environment_back;
 uniform vec2 factors; // k_D, k_R
+uniform float horizon; // cosine to the surface as it was, from which down it hides mirrored rays more and more; 0: never
 
 out vec4 value;
 
@@ -70,6 +71,7 @@ void main() {
     // The chord, and not the cosine, is nothing where nothing was changed.
     float angle = 2.0 * asin(min(1.0, 0.5 * length(r - new_r)));
     float share = min(1.0, angle / MISALIGNED) * r0.a;
+    if (horizon > 0.0) share *= clamp(dot(new_r, n) / horizon, 0.0, 1.0);
     vec3 mirrored = environment(new_r, surface) * mix(vec3(1.0), texel(reflection_albedo, at).rgb, is_illumination.y);
     vec3 new_reflection = r0.rgb + share * (mirrored - r0.rgb);
     // Written as a change, which is none in what the picture has besides.

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from litrig.base.errors import InputError
 from litrig.base.pictures import read_codes, read_linear
 from processing.shape.buffers.pixels import TURNED_AWAY
-from processing.shape.buffers_exr import ReadOptions, Tell, read_normals
+from processing.shape.buffers_exr import Tell, read_normals
 from processing.shape.model import BACKGROUND, ShadingBuffers
 
 F32 = NDArray[np.float32]
@@ -74,7 +74,7 @@ def painted_normals(
     """
     shown = buffers.surfaces != BACKGROUND
     if path.suffix.lower() == ".exr":
-        normals, painted = read_normals(path, buffers, ReadOptions(), tell), shown
+        normals, painted = read_normals(path, buffers, tell, in_surface=in_surface), shown
     else:
         codes = read_codes(path)
         _check_size(path, codes[..., 0], buffers, "normals")

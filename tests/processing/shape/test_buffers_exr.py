@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from litrig.base.errors import FormatError, InputError
-from processing.shape.buffers_exr import read_buffers, read_normals
+from processing.shape.buffers.camera import CameraSaid
+from processing.shape.buffers_exr import ReadOptions, read_buffers, read_normals
 from processing.shape.model import ShadingBuffers
 from tests.processing.shape.scene import buffers, bumped
 from tests.processing.shape.stored import layers, write
@@ -17,7 +18,7 @@ FIELDS = [field.name for field in dataclasses.fields(GOOD)]
 
 def same(found: ShadingBuffers, wanted: ShadingBuffers, atol: float = 1e-6) -> None:
     assert (found.albedo, found.reflection_albedo) == (None, None)
-    for name in set(FIELDS) - {"albedo", "reflection_albedo"}:
+    for name in set(FIELDS) - {"albedo", "reflection_albedo", "stored_turn"}:
         np.testing.assert_allclose(getattr(found, name), getattr(wanted, name), atol=atol, err_msg=name)
 
 
@@ -52,9 +53,30 @@ def test_the_world_is_turned_to_the_camera(tmp_path: Path) -> None:
 
 def test_normals_are_read_by_any_of_their_names(tmp_path: Path) -> None:
     wanted = bumped(GOOD.normals)
-    for names in (("normal.X", "normal.Y", "normal.Z"), ("X", "Y", "Z"), ("R", "G", "B")):
+    for names in (("normal.X", "normal.Y", "normal.Z"), [f"sh_normal.{c}" for c in "XYZ"], "XYZ", "RGB"):
         write(tmp_path / "n.exr", {name: 2 * wanted[..., index] for index, name in enumerate(names)})
         np.testing.assert_allclose(read_normals(tmp_path / "n.exr", GOOD), wanted, atol=1e-6)
+
+
+def test_normals_of_a_camera_that_the_user_told_are_turned_as_the_pictures_own(tmp_path: Path) -> None:
+    turn, shown = np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]]), (GOOD.surfaces > 0)[..., None]
+    # A camera that looks along its z, its x to the left.
+    flip = np.array([-1, 1, -1])
+    in_world = {
+        "normals": (GOOD.normals * flip @ turn.T).astype(np.float32),
+        "positions": np.where(shown, GOOD.positions * flip @ turn.T, 0).astype(np.float32),
+    }
+    write(tmp_path / "x.exr", layers(dataclasses.replace(GOOD, **in_world)))
+    np.savetxt(tmp_path / "camera.txt", np.block([[turn, np.zeros((3, 1))], [np.zeros(3), 1]]))
+    found = read_buffers(tmp_path / "x.exr", ReadOptions(camera=CameraSaid(tmp_path / "camera.txt")))
+    np.testing.assert_allclose(found.normals, GOOD.normals, atol=1e-6)
+    np.testing.assert_allclose(read_normals(tmp_path / "x.exr", found), found.normals, atol=1e-6)
+    channels = {f"normal.{axis}": GOOD.normals[..., index] for index, axis in enumerate("XYZ")}
+    write(tmp_path / "ours.exr", channels, **{"litrig.kind": "normals"})
+    np.testing.assert_allclose(read_normals(tmp_path / "ours.exr", found), found.normals, atol=1e-6)
+    write(tmp_path / "detail.exr", channels)
+    detail = read_normals(tmp_path / "detail.exr", found, in_surface=True)
+    np.testing.assert_allclose(detail, found.normals, atol=1e-6)
 
 
 def test_infinite_backgrounds_do_no_harm(tmp_path: Path) -> None:

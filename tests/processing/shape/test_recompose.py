@@ -99,8 +99,8 @@ def test_light_is_multiplied_by_albedo_that_varies() -> None:
     """No reference in this truth: the light's own formula under the new normal, times the albedo."""
     scene, light, albedo, mirror = coloured()
     normals = bumped(scene.normals, 0.6)
-    made = recompose(scene, light, normals)
-    np.testing.assert_allclose(reference(scene, light, normals), made, atol=2e-5)
+    made = recompose(scene, light, normals, horizon=0)
+    np.testing.assert_allclose(reference(scene, light, normals, horizon=0), made, atol=2e-5)
     for number, one in light.items():
         here = (scene.surfaces == number) & np.any(normals != scene.normals, axis=-1)
         new, eye = normals[here].astype(np.float64), scene.to_eye[here].astype(np.float64)
@@ -108,6 +108,21 @@ def test_light_is_multiplied_by_albedo_that_varies() -> None:
         r = 2 * np.sum(new * eye, axis=1, keepdims=True) * new - eye
         expected = np.maximum(scene.diffuse[here] + albedo[here] * change, 0) + mirror[here] * sharp(r) * TINT[number]
         np.testing.assert_allclose(np.quantile(np.abs(made[here] - expected), 0.99), 0, atol=0.02)
+
+
+def test_reflections_stay_where_the_surface_would_hide_what_is_mirrored() -> None:
+    eye, n = OPEN.to_eye, BUFFERS.normals
+    aside = np.cross(n, np.cross(n, eye)) * -1
+    aside /= np.maximum(np.linalg.norm(aside, axis=-1, keepdims=True), 1e-6)
+    facing = np.sum(n * eye, axis=-1)
+    here = (BUFFERS.surfaces > 0) & (BUFFERS.coverage == 1) & (facing > 0.1) & (facing < 0.98)
+    # Away from the eye until the mirrored ray is 5 degrees below the surface.
+    tilt = (np.arccos(np.clip(facing, -1, 1)) - np.radians(95)) / 2
+    turned = np.cos(tilt)[..., None] * n + np.sin(tilt)[..., None] * aside
+    normals = np.where(here[..., None], turned, n).astype(np.float32)
+    for make in (recompose, reference):
+        mirrored_only = make(OPEN, LIGHT, normals) - make(OPEN, LIGHT, normals, reflection_factor=0)
+        np.testing.assert_allclose(mirrored_only[here], OPEN.reflection[here], atol=1e-4)
 
 
 def test_light_without_its_albedo_is_refused() -> None:
