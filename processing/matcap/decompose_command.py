@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     F32 = NDArray[np.float32]
 
-_WHITE = 1 - 1 / 512
-
 
 @click.command(epilog="Example: litrig matcap decompose clay.png -o clay.matcap.exr")
 @click.argument("images", metavar="IMAGE|LOW HIGH", type=PATH, nargs=-1, required=True)
@@ -186,14 +184,11 @@ def _filters(
 
 def _estimated(images: tuple[Path, ...], low: "F32", high: "F32") -> tuple[float, list[str]]:
     """Estimate the filter of the high frequencies; that of the low ones is matt by how they are told apart."""
-    import numpy as np
-
     from litrig.base.errors import InputError
-    from litrig.base.pictures import DISPLAY_ENDINGS
+    from processing.matcap.disc_file import cut_off_at_white
     from processing.matcap.estimate.estimate import estimate_filter_size
 
-    ends_at_white = images[0].suffix.lower() in DISPLAY_ENDINGS
-    clipped = (low + high).max(axis=2) >= _WHITE if ends_at_white else np.zeros(low.shape[:2], bool)
+    clipped = cut_off_at_white(images[0], low + high)
     try:
         found = estimate_filter_size(high, clipped=clipped)
     except InputError as error:

@@ -15,7 +15,7 @@ from processing.matcap.separation.blend import Blend, above
 
 F32 = NDArray[np.float32]
 Bools = NDArray[np.bool_]
-_OPAQUE = 1 - 1 / 512
+_OPAQUE = _WHITE = 1 - 1 / 512
 
 
 @dataclass(frozen=True)
@@ -58,6 +58,13 @@ def read_disc(path: Path, mask: Path | None = None) -> DiscPicture:
         kept = bright > float(decode_srgb(np.array(0.5)))
         covered = kept if covered is None else covered & kept
     return DiscPicture(colours, covered)
+
+
+def cut_off_at_white(path: Path, colours: F32) -> Bools:
+    """Tell which pixels (S, S) of a picture may have been brighter than its file can hold: none of a linear one."""
+    if path.suffix.lower() not in DISPLAY_ENDINGS:
+        return np.zeros(colours.shape[:2], bool)
+    return np.asarray(colours.max(axis=2) >= _WHITE)
 
 
 def write_layers(low_path: Path, high_path: Path, low: NDArray[np.floating], whole: F32, blend: Blend) -> None:

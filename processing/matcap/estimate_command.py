@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from processing.matcap.estimate.rules import Rule
 
 Component = Literal["low", "high", "whole"]
-_WHITE = 1 - 1 / 512
 
 
 @click.command(epilog="Example: litrig matcap estimate brass.png --roi 310 120 9 9 --plot signatures.png")
@@ -113,14 +112,12 @@ def _layer(image: Path, component: Component) -> "tuple[NDArray[np.float32], NDA
     """Return one layer of a picture, the pixels known of it, and those that were too bright for the file."""
     import numpy as np
 
-    from litrig.base.pictures import DISPLAY_ENDINGS
-    from processing.matcap.disc_file import read_disc
+    from processing.matcap.disc_file import cut_off_at_white, read_disc
     from processing.matcap.separation.known import known_pixels
     from processing.matcap.separation.separate import separate
 
     disc = read_disc(image)
-    ends_at_white = image.suffix.lower() in DISPLAY_ENDINGS
-    clipped = disc.colours.max(axis=2) >= (_WHITE if ends_at_white else np.inf)
+    clipped = cut_off_at_white(image, disc.colours)
     if component == "whole":
         return disc.colours, known_pixels(disc.colours, disc.covered), clipped
     layers = separate(disc.colours, covered=disc.covered, source=str(image))
