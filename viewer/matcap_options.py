@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from processing.command_parts import FiniteRange
+
 if TYPE_CHECKING:
     from viewer.staging import MatcapStaging
 
@@ -31,7 +33,7 @@ _OPTIONS = (
         "--roughest",
         "roughest_deg",
         metavar="LOW HIGH",
-        type=(click.FloatRange(0, 90), click.FloatRange(0, 90)),
+        type=(FiniteRange(0, 90), FiniteRange(0, 90)),
         default=(0.0, 30.0),
         show_default=True,
         help="Standard deviation of the two halves' filters in degrees where --roughness-texture is white; a half "

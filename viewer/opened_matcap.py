@@ -70,7 +70,7 @@ def edited(file: Path, recipe: Path | None) -> DecomposedMatcap:
         A file is missing or damaged, or a step cannot be done.
     """
     matcap = read_matcap(file)
-    return matcap if recipe is None else apply_recipe(matcap, read_recipe(recipe), recipe.parent)
+    return matcap if recipe is None else apply_recipe(matcap, read_recipe(recipe), recipe.parent, str(recipe))
 
 
 def towards(light: tuple[float, float]) -> Rotation:

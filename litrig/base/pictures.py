@@ -195,7 +195,8 @@ def _read_exr_rgb(path: Path) -> F32:
             return _finite(np.ascontiguousarray(channels[name][..., :3], np.float32), path)
     if "Y" in channels:
         return _finite(np.repeat(channels["Y"].astype(np.float32)[..., None], 3, axis=-1), path)
-    raise FormatError(f"{path}: has no RGB channels (found {', '.join(sorted(channels)) or 'none'})")
+    found = ", ".join(sorted(channels)) or "none"
+    raise FormatError(f"{path}: has no RGB channels (found {found}); give a picture that has R, G and B at its root")
 
 
 def _read_exr_channels(path: Path) -> dict[str, NDArray[Any]]:

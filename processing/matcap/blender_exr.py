@@ -19,6 +19,7 @@ from litrig.base.quiet import quiet_library
 F32 = NDArray[np.float32]
 
 PASSES = ("diffuse", "specular")
+LARGEST = float(np.finfo(np.float16).max)
 
 
 def is_blender_matcap(path: Path) -> bool:
@@ -73,13 +74,14 @@ def write_blender_matcap(path: Path, diffuse: F32, specular: F32) -> None:
     Raises
     ------
     InputError
-        The name does not end in .exr, or the file cannot be written.
+        The name does not end in .exr, a half is brighter than any file holds, or the file cannot be written.
     """
     if path.suffix.lower() != ".exr":
         raise InputError(f"{path}: cannot hold a Blender MatCap; end the name in .exr")
-    largest = np.finfo(np.float16).max
+    if not (np.all(np.isfinite(diffuse)) and np.all(np.isfinite(specular))):
+        raise InputError(f"{path}: the ball is brighter than files can hold; lessen gains, colours and lights")
     channels = {
-        f"{name}.{colour}": np.ascontiguousarray(np.clip(picture[..., number], -largest, largest), np.float16)
+        f"{name}.{colour}": np.ascontiguousarray(np.clip(picture[..., number], -LARGEST, LARGEST), np.float16)
         for name, picture in zip(PASSES, (diffuse, specular), strict=True)
         for number, colour in enumerate("RGB")
     }

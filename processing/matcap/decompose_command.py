@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from processing.command_parts import JSON, PATH, check_output, echo_facts
+from processing.command_parts import JSON, PATH, FiniteRange, check_output, echo_facts
 from processing.matcap.split_command import separating
 
 if TYPE_CHECKING:
@@ -19,22 +19,20 @@ if TYPE_CHECKING:
 
     F32 = NDArray[np.float32]
 
-_WHITE = 1 - 1 / 512
-
 
 @click.command(epilog="Example: litrig matcap decompose clay.png -o clay.matcap.exr")
 @click.argument("images", metavar="IMAGE|LOW HIGH", type=PATH, nargs=-1, required=True)
 @click.option("-o", "--output", metavar="X.matcap.exr", type=PATH, required=True, help="What to write.")
 @click.option(
     "--filter-sizes",
-    type=click.FloatRange(0, 10),
+    type=FiniteRange(0, 10),
     nargs=2,
     metavar="NU_LOW NU_HIGH",
     help="The materials' filters: variances in radians squared. By default low is matt (0.467), and high is estimated.",
 )
 @click.option(
     "--slopes",
-    type=click.FloatRange(0, 1),
+    type=FiniteRange(0, 1),
     nargs=2,
     metavar="MU_LOW MU_HIGH",
     help="How much the filters turn away from the view: 0 matt, 1 a mirror. By default as the filter sizes say.",
@@ -111,9 +109,9 @@ def decompose(
     write_matcap(output, found)
     facts: dict[str, Any] = {"file": str(output), "size": len(found.low.front)}
     for name, component in (("low", found.low), ("high", found.high)):
-        facts[f"{name}_filter_size"] = round(component.filter_size, 5)
-        facts[f"{name}_slope"] = round(component.slope, 4)
-        facts[f"{name}_base_colour"] = [round(value, 5) for value in component.base_colour]
+        facts[f"{name}_filter_size"] = _short(component.filter_size)
+        facts[f"{name}_slope"] = _short(component.slope)
+        facts[f"{name}_base_colour"] = [_short(value) for value in component.base_colour]
     for remark in remarks:
         click.echo(remark, err=True)
     echo_facts(facts, as_json)
@@ -132,7 +130,10 @@ def _layers(
     from processing.matcap.separation.blend import blended
     from processing.matcap.separation.known import known_pixels
 
+    if len(images) == 1 and blend != "add":
+        raise InputError(f"{images[0]}: is no HIGH over a LOW; give two layers, or leave out --blend")
     if len(images) == 1 and is_blender_matcap(images[0]):
+        separated.refuse_for_layers(images[0])
         low, high = read_blender_matcap(images[0])
         for layer in (low, high):
             check_disc(layer, str(images[0]))
@@ -142,6 +143,7 @@ def _layers(
         low, high = separation.low.astype("float32"), separation.high.astype("float32")
         known = separation.known
     else:
+        separated.refuse_for_layers(images[0])
         first, second = (read_disc(image) for image in images)
         if first.colours.shape != second.colours.shape:
             raise InputError(
@@ -151,6 +153,8 @@ def _layers(
         whole = blended(first.colours, second.colours, blend)
         known = known_pixels(whole, first.covered)
         low, high = first.colours, (whole - first.colours).clip(0).astype("float32")
+    if not known.any():
+        raise InputError(f"{images[0]}: no pixel of the disc is opaque; give layers that show the ball")
     digest = hashlib.sha256(b"".join(image.read_bytes() for image in images)).hexdigest()
     return low, high, known, digest
 
@@ -180,19 +184,20 @@ def _filters(
 
 def _estimated(images: tuple[Path, ...], low: "F32", high: "F32") -> tuple[float, list[str]]:
     """Estimate the filter of the high frequencies; that of the low ones is matt by how they are told apart."""
-    import numpy as np
-
     from litrig.base.errors import InputError
-    from litrig.base.pictures import DISPLAY_ENDINGS
+    from processing.matcap.disc_file import cut_off_at_white
     from processing.matcap.estimate.estimate import estimate_filter_size
 
-    ends_at_white = images[0].suffix.lower() in DISPLAY_ENDINGS
-    clipped = (low + high).max(axis=2) >= _WHITE if ends_at_white else np.zeros(low.shape[:2], bool)
+    clipped = cut_off_at_white(images[0], low + high)
     try:
         found = estimate_filter_size(high, clipped=clipped)
     except InputError as error:
         raise InputError(f"{images[0]}: its filters cannot be estimated ({error}); give --filter-sizes") from error
     return found.filter_size, [f"high: {remark}" for remark in found.remarks]
+
+
+def _short(number: float) -> float:
+    return float(f"{number:.5g}")
 
 
 def _painted(path: Path) -> "tuple[F32, F32]":

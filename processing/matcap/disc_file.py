@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
 from litrig.base.pictures import DISPLAY_ENDINGS, read_coverage, read_linear, write_codes, write_picture
-from litrig.base.radiometry import decode_srgb, decode_srgb_codes, encode_srgb, to_u8
+from litrig.base.radiometry import U8, decode_srgb, decode_srgb_codes, encode_srgb, to_u8
 from processing.matcap.disc import check_disc
+from processing.matcap.matcap_exr import ENDING as MATCAP_ENDING
 from processing.matcap.separation.blend import Blend, above
 
 F32 = NDArray[np.float32]
 Bools = NDArray[np.bool_]
-_OPAQUE = 1 - 1 / 512
+_OPAQUE = _WHITE = 1 - 1 / 512
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,8 @@ def read_disc(path: Path, mask: Path | None = None) -> DiscPicture:
     InputError, FormatError
         A file cannot be read, is no MatCap, or the mask is of another size.
     """
+    if path.name.lower().endswith(MATCAP_ENDING):
+        raise InputError(f"{path}: is decomposed already; give a picture, as litrig matcap edit draws it")
     colours = read_linear(path)
     check_disc(colours, str(path))
     covered = None
@@ -57,17 +60,35 @@ def read_disc(path: Path, mask: Path | None = None) -> DiscPicture:
     return DiscPicture(colours, covered)
 
 
+def cut_off_at_white(path: Path, colours: F32) -> Bools:
+    """Tell which pixels (S, S) of a picture may have been brighter than its file can hold: none of a linear one."""
+    if path.suffix.lower() not in DISPLAY_ENDINGS:
+        return np.zeros(colours.shape[:2], bool)
+    return np.asarray(colours.max(axis=2) >= _WHITE)
+
+
 def write_layers(low_path: Path, high_path: Path, low: NDArray[np.floating], whole: F32, blend: Blend) -> None:
     """Write a low layer (S, S, 3), and the high one that makes the whole out of it.
 
     In 8 bits the low one is rounded down, and the high one holds what it lost.
+
+    Raises
+    ------
+    InputError
+        A layer cannot be written, or the whole is too bright for the blend; then there is neither.
     """
+    codes: U8 | None = None
+    stored = np.minimum(low.astype(np.float32), whole)
     if low_path.suffix.lower() in DISPLAY_ENDINGS:
-        rounded = to_u8(encode_srgb(low))
-        rounded -= (decode_srgb_codes(rounded) > low) & (rounded > 0)
-        write_codes(low_path, rounded)
-        stored = decode_srgb_codes(rounded)
-    else:
-        stored = np.minimum(low.astype(np.float32), whole)
+        codes = to_u8(encode_srgb(low))
+        codes -= (decode_srgb_codes(codes) > low) & (codes > 0)
+        stored = decode_srgb_codes(codes)
+    try:
+        high = above(whole, np.minimum(stored, whole), blend).astype(np.float32)
+    except InputError as error:
+        raise InputError(f"{high_path}: {error}") from error
+    if codes is None:
         write_picture(low_path, stored)
-    write_picture(high_path, above(whole, np.minimum(stored, whole), blend).astype(np.float32))
+    else:
+        write_codes(low_path, codes)
+    write_picture(high_path, high)

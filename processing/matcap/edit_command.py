@@ -1,11 +1,12 @@
 """`litrig matcap edit`: light and material of a decomposed MatCap changed."""
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from processing.command_parts import PATH
+from processing.command_parts import PATH, PICTURES, check_output
 
 if TYPE_CHECKING:
     from processing.matcap.recipe.operations import Operation
@@ -91,21 +92,24 @@ def edit(file: Path, output: Path, recipes: tuple[Path, ...], save_recipe: Path 
     from processing.matcap.matcap_exr import ENDING, read_matcap, write_matcap
     from processing.matcap.picture_file import write_disc
     from processing.matcap.recipe.apply import apply_recipe
+    from processing.matcap.recipe.recipe_toml import ENDING as RECIPE_ENDING
     from processing.matcap.recipe.recipe_toml import Recipe, read_recipe, rebased, write_recipe
 
-    here = Path()
-    wanted = [(read_recipe(path), path.parent) for path in recipes]
-    wanted.append((Recipe(steps=_steps(options)), here))
+    check_output(output, ENDING, *PICTURES)
+    if save_recipe is not None:
+        check_output(save_recipe, RECIPE_ENDING)
+    wanted = [(read_recipe(path), path.parent, str(path)) for path in recipes]
+    wanted.append((Recipe(steps=_steps(options)), Path(), str(file)))
     matcap = read_matcap(file)
-    for recipe, folder in wanted:
-        matcap = apply_recipe(matcap, recipe, folder)
+    for recipe, folder, source in wanted:
+        matcap = apply_recipe(matcap, recipe, folder, source)
     if output.name.lower().endswith(ENDING):
         write_matcap(output, matcap)
     else:
         write_disc(output, matcap)
-    count = sum(len(recipe.steps) for recipe, _ in wanted)
+    count = sum(len(recipe.steps) for recipe, _, _ in wanted)
     if save_recipe is not None:
-        moved = [step for recipe, folder in wanted for step in rebased(recipe, folder, save_recipe.parent).steps]
+        moved = [step for recipe, folder, _ in wanted for step in rebased(recipe, folder, save_recipe.parent).steps]
         write_recipe(save_recipe, Recipe(steps=tuple(moved)))
     click.echo(f"{output}: {count} {'step' if count == 1 else 'steps'} on {file}")
 
@@ -176,6 +180,6 @@ def _axis(text: str) -> Any:
         parts = tuple(float(part) for part in text.split(","))
     except ValueError:
         parts = ()
-    if len(parts) != _NUMBERS:
+    if len(parts) != _NUMBERS or not all(map(math.isfinite, parts)):
         raise click.UsageError(f"{text!r} is no axis; give x, y, z or three numbers like 1,1,0")
     return parts

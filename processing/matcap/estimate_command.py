@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from processing.command_parts import JSON, PATH, check_output
+from processing.command_parts import JSON, PATH, FiniteRange, check_kept, check_output
 
 if TYPE_CHECKING:
     import numpy as np
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from processing.matcap.estimate.rules import Rule
 
 Component = Literal["low", "high", "whole"]
-_WHITE = 1 - 1 / 512
 
 
 @click.command(epilog="Example: litrig matcap estimate brass.png --roi 310 120 9 9 --plot signatures.png")
@@ -55,7 +54,7 @@ _WHITE = 1 - 1 / 512
 )
 @click.option(
     "--quantile",
-    type=click.FloatRange(0, 1),
+    type=FiniteRange(0, 1),
     help="Which of a region's pixels counts: .5 is the median (default of plateau), 0 the least (default of paper).",
 )
 @click.option("--plot", "plot_path", type=PATH, metavar="PNG", help="Draw variance over the window's size.")
@@ -82,6 +81,7 @@ def estimate(
 
     if plot_path is not None:
         check_output(plot_path, ".png")
+        check_kept([plot_path], [image])
     layer, known, clipped = _layer(image, component)
     regions = [Region(*roi) for roi in rois] or None
     try:
@@ -101,7 +101,7 @@ def estimate(
     deviation_deg = math.degrees(math.sqrt(found.filter_size))
     click.echo(f"filter size ν: {found.filter_size:.4g} rad², a standard deviation of {deviation_deg:.2f}°")
     click.echo(f"slope μ: {found.slope:.3f}")
-    click.echo(f"base colour: {colour[0]:.3f} {colour[1]:.3f} {colour[2]:.3f}, linear")
+    click.echo(f"base colour: {colour[0]:.4g} {colour[1]:.4g} {colour[2]:.4g}, linear")
     for index, region in enumerate(found.regions):
         click.echo(("* " if index == found.chosen else "  ") + _line(region))
     if plot_path is not None:
@@ -112,14 +112,12 @@ def _layer(image: Path, component: Component) -> "tuple[NDArray[np.float32], NDA
     """Return one layer of a picture, the pixels known of it, and those that were too bright for the file."""
     import numpy as np
 
-    from litrig.base.pictures import DISPLAY_ENDINGS
-    from processing.matcap.disc_file import read_disc
+    from processing.matcap.disc_file import cut_off_at_white, read_disc
     from processing.matcap.separation.known import known_pixels
     from processing.matcap.separation.separate import separate
 
     disc = read_disc(image)
-    ends_at_white = image.suffix.lower() in DISPLAY_ENDINGS
-    clipped = disc.colours.max(axis=2) >= (_WHITE if ends_at_white else np.inf)
+    clipped = cut_off_at_white(image, disc.colours)
     if component == "whole":
         return disc.colours, known_pixels(disc.colours, disc.covered), clipped
     layers = separate(disc.colours, covered=disc.covered, source=str(image))

@@ -19,7 +19,7 @@ def export(file: Path, output: Path, size: int | None) -> None:
     Put the file where Blender installs MatCaps from (Preferences, Lights), with all edits as they show now.
     """
     from litrig.base.errors import InputError
-    from processing.matcap.blender_exr import write_blender_matcap
+    from processing.matcap.blender_exr import LARGEST, write_blender_matcap
     from processing.matcap.matcap_exr import ENDING, read_matcap
     from processing.matcap.render import half_pictures
 
@@ -27,4 +27,9 @@ def export(file: Path, output: Path, size: int | None) -> None:
         raise InputError(f"{output}: is a name of litrig's own; end it in .exr alone, or use matcap edit")
     low, high = half_pictures(read_matcap(file), size)
     write_blender_matcap(output, low, high)
+    brightest = max(low.max(), high.max())
+    if brightest > LARGEST:
+        click.echo(
+            f"{output}: light of up to {brightest:.3g} is cut off at {LARGEST:g}, all that it can hold", err=True
+        )
     click.echo(f"{output}: {low.shape[1]} × {low.shape[0]} pixels, passes diffuse and specular")

@@ -7,14 +7,16 @@ from pydantic import BaseModel, Field
 
 from litrig.base.table_normals import TableNormal
 from litrig.base.version import litrig_version
-from processing.matcap.lights.model import F32, Hung, Light, Picture
+from processing.matcap.disc import LARGEST_SIDE
+from processing.matcap.lights.model import F32, Angle, Hung, Light, Picture
 from processing.matcap.model import STILL, Component, DecomposedMatcap
 from processing.matcap.silhouette import Silhouette
 
 VERSION = 3
 _NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 _Number = Annotated[float, Field(allow_inf_nan=False)]
-_Turn = tuple[_Number, _Number, _Number]
+_Turn = tuple[Angle, Angle, Angle]
+_LARGEST_FILTER_SIZE = 1e6
 
 
 class SilhouetteMeaning(BaseModel, frozen=True, extra="forbid"):
@@ -26,7 +28,7 @@ class SilhouetteMeaning(BaseModel, frozen=True, extra="forbid"):
 class ComponentMeaning(BaseModel, frozen=True, extra="forbid"):
     base_colour: tuple[_NotNegative, _NotNegative, _NotNegative]
     slope: Annotated[float, Field(ge=0, le=1)]
-    filter_size: _NotNegative
+    filter_size: Annotated[float, Field(ge=0, le=_LARGEST_FILTER_SIZE)]
     silhouette: SilhouetteMeaning = SilhouetteMeaning()
     light_turn_deg: _Turn = STILL
     normal_turn_deg: _Turn = STILL
@@ -61,7 +63,7 @@ class Meaning(BaseModel, frozen=True, extra="forbid"):
     low: ComponentMeaning
     high: ComponentMeaning
     table_normal: TableNormal
-    picture_size: Annotated[int, Field(ge=1)] | None = None
+    picture_size: Annotated[int, Field(ge=1, le=LARGEST_SIDE)] | None = None
     source: str = ""
     litrig: str
 

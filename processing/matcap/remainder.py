@@ -60,4 +60,4 @@ def with_maps(component: Component, front: F32, back: F32) -> Component:
 
 def _step(component: Component) -> float:
     """Return the step of the remainder, a power of two: of display white, or of what is brightest if that is darker."""
-    return 2.0 ** math.floor(math.log2(_STEP * min(1 / max(*component.base_colour, 1e-30), 1.0)))
+    return 2.0 ** math.floor(math.log2(_STEP * min(1 / min(max(*component.base_colour, 1e-30), 1e30), 1.0)))

@@ -39,7 +39,8 @@ def half_pictures(matcap: DecomposedMatcap, size: int | None = None) -> tuple[F3
     normals, valid = disc_normals(side)
     pictures = np.zeros((2, side, side, 3), np.float32)
     for picture, component in zip(pictures, (matcap.low, matcap.high), strict=True):
-        picture[valid] = component_light(component, normals[valid])
+        with np.errstate(over="ignore", invalid="ignore"):  # what is too bright is not finite, and writers refuse that
+            picture[valid] = component_light(component, normals[valid])
     return pictures[0], pictures[1]
 
 

@@ -1,19 +1,74 @@
 """`litrig matcap split`."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
-from processing.command_parts import JSON, PATH, PICTURES, check_output, echo_clipped, echo_facts
+from processing.command_parts import (
+    JSON,
+    PATH,
+    PICTURES,
+    FiniteRange,
+    check_kept,
+    check_output,
+    echo_clipped,
+    echo_facts,
+)
 
 if TYPE_CHECKING:
     from processing.matcap.separation.blend import Blend
-    from processing.matcap.separation.separate import Separation
+    from processing.matcap.separation.separate import Form, Separation
 
-    Separate = Callable[[Path], Separation]
+
+_OPTIONS = {
+    "form": "--form",
+    "mask": "--mask",
+    "rim_px": "--rim",
+    "floor": "--floor",
+    "percent": "--percentile",
+    "tolerance": "--tolerance",
+}
+
+
+@dataclass(frozen=True)
+class Separate:
+    """How pictures are to be read and taken apart, as the options of a separation say."""
+
+    form: "Form"
+    mask: Path | None
+    rim_px: float | None
+    floor: float | None
+    percent: float
+    tolerance: float
+    said: tuple[str, ...]
+    """Which of the options were given."""
+
+    def __call__(self, image: Path) -> "Separation":
+        from processing.matcap.disc_file import read_disc
+        from processing.matcap.separation.known import Ignored
+        from processing.matcap.separation.separate import separate
+
+        disc = read_disc(image, self.mask)
+        return separate(
+            disc.colours,
+            form=self.form,
+            covered=disc.covered,
+            ignored=Ignored(self.rim_px, self.floor, self.percent),
+            tolerance=self.tolerance,
+            source=str(image),
+        )
+
+    def refuse_for_layers(self, image: Path) -> None:
+        """Refuse options that would change nothing, for the layers are there."""
+        from litrig.base.errors import InputError
+
+        if self.said:
+            raise InputError(f"{image}: is taken as it is, a layer or two already; leave out {', '.join(self.said)}")
 
 
 def separating(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -31,13 +86,13 @@ def separating(command: Callable[..., Any]) -> Callable[..., Any]:
     @click.option(
         "--rim",
         "rim_px",
-        type=click.FloatRange(0, 1000),
+        type=FiniteRange(0, 1000),
         metavar="PX",
         help="Pixels this near to the rim are no data. By default those that a background reaches.",
     )
     @click.option(
         "--floor",
-        type=click.FloatRange(0, 1e6),
+        type=FiniteRange(0, 1e6),
         metavar="V",
         help="Values up to this, in linear light, hold nothing down. One black pixel blackens half a sphere: 0 lets "
         "black ink pass.",
@@ -45,14 +100,14 @@ def separating(command: Callable[..., Any]) -> Callable[..., Any]:
     @click.option(
         "--percentile",
         "percent",
-        type=click.FloatRange(0, 100, max_open=True),
+        type=FiniteRange(0, 100, max_open=True),
         default=0.0,
         metavar="P",
         help="Nor do the darkest P of a hundred pixels of each channel.",
     )
     @click.option(
         "--tolerance",
-        type=click.FloatRange(0, 1),
+        type=FiniteRange(0, 1),
         default=1e-4,
         show_default=True,
         metavar="SHARE",
@@ -60,31 +115,10 @@ def separating(command: Callable[..., Any]) -> Callable[..., Any]:
         "picture.",
     )
     @wraps(command)
-    def with_separation(
-        *args: Any,
-        form: Any,
-        mask: Path | None,
-        rim_px: float | None,
-        floor: float | None,
-        percent: float,
-        tolerance: float,
-        **options: Any,
-    ) -> Any:
-        def separated(image: Path) -> "Separation":
-            from processing.matcap.disc_file import read_disc
-            from processing.matcap.separation.known import Ignored
-            from processing.matcap.separation.separate import separate
-
-            disc = read_disc(image, mask)
-            return separate(
-                disc.colours,
-                form=form,
-                covered=disc.covered,
-                ignored=Ignored(rim_px, floor, percent),
-                tolerance=tolerance,
-                source=str(image),
-            )
-
+    def with_separation(*args: Any, **options: Any) -> Any:
+        source = click.get_current_context().get_parameter_source
+        said = tuple(name for key, name in _OPTIONS.items() if source(key) is ParameterSource.COMMANDLINE)
+        separated = Separate(**{key: options.pop(key) for key in _OPTIONS}, said=said)
         return command(*args, separated=separated, **options)
 
     return with_separation
@@ -111,7 +145,7 @@ def separating(command: Callable[..., Any]) -> Callable[..., Any]:
 )
 @JSON
 @separating
-def split(image: Path, outputs: tuple[Path, Path], blend: "Blend", as_json: bool, separated: "Separate") -> None:
+def split(image: Path, outputs: tuple[Path, Path], blend: "Blend", as_json: bool, separated: Separate) -> None:
     """Split a MatCap into low and high frequencies, akin to diffuse light and gloss.
 
     IMAGE is square, the disc inscribed in it; what lies outside, and what is not opaque, is no data. LOW is the
@@ -121,6 +155,7 @@ def split(image: Path, outputs: tuple[Path, Path], blend: "Blend", as_json: bool
 
     for output in outputs:
         check_output(output, *PICTURES)
+    check_kept(outputs, [image])
     separation = separated(image)
     whole = (separation.low + separation.high).astype("float32")
     echo_clipped(outputs[0], whole)

@@ -141,6 +141,33 @@ CASES = [
     ),
     pytest.param(["render", missing("a.amc.ktx2"), "-o", missing("a.png")], "no such file", id="render, no file"),
     pytest.param(["render", file("a.txt", b"x"), "-o", missing("a.png")], "a.txt", id="render, unknown kind"),
+    pytest.param(
+        ["matcap", "split", missing("a.png"), "-o", missing("l.png"), missing("h.png")],
+        "a.png: no such file",
+        id="matcap split, no file",
+    ),
+    pytest.param(["matcap", "estimate", file("a.png", b"x")], "a.png: PNG cut short", id="matcap estimate, damaged"),
+    pytest.param(
+        ["matcap", "decompose", file("a.exr", b"x"), "-o", missing("a.matcap.exr")],
+        "a.exr: damaged EXR",
+        id="matcap decompose, damaged",
+    ),
+    pytest.param(["matcap", "info", missing("a.matcap.exr")], "no such file", id="matcap info, no file"),
+    pytest.param(
+        ["matcap", "edit", file("a.matcap.exr", b"x" * 99), "-o", missing("a.png")],
+        "a.matcap.exr: no EXR",
+        id="matcap edit, damaged",
+    ),
+    pytest.param(
+        ["matcap", "edit", missing("a.matcap.exr"), "-o", missing("a.png"), "--recipe", toml("[[steps]]\nop = 'x'")],
+        "given.toml: steps.0: Input tag 'x'",
+        id="matcap edit, unknown step",
+    ),
+    pytest.param(
+        ["matcap", "export", missing("a.matcap.exr"), "-o", missing("b.exr")],
+        "no such file",
+        id="matcap export, no file",
+    ),
     pytest.param(["rig", "home", "/dev/zero"], "/dev/zero: is a device or a pipe", id="rig home, no end"),
     pytest.param(["ptm", "fit", RELIEF, "-o", missing("a.ptm"), "--lp", "/dev/zero"], "is a device", id="lp, no end"),
     pytest.param(

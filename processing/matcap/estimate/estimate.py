@@ -100,11 +100,11 @@ def _check(matcap: NDArray[np.floating]) -> None:
     size = matcap.shape[0] if matcap.ndim else 0
     if matcap.shape != (size, size, 3) or size < _SMALLEST_SIDE:
         raise InputError(
-            f"MatCap: an array {matcap.shape} is no square picture of {_SMALLEST_SIDE} pixels or more; crop one to the "
-            "ball"
+            f"{' × '.join(map(str, matcap.shape))} is no square picture of {_SMALLEST_SIDE} pixels or more, in three "
+            "channels; give a larger one, cropped to the ball"
         )
     if not np.all(np.isfinite(matcap)):
-        raise InputError("MatCap: holds colours that are no numbers; mend it")
+        raise InputError("holds colours that are no numbers; mend it")
 
 
 def _sharpest(regions: tuple[RegionEstimate, ...]) -> FilterEstimate:

@@ -9,14 +9,26 @@ from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from litrig.base.config import StrictModel
 
 F32 = NDArray[np.float32]
-Direction = tuple[float, float, float]
-LightColour = tuple[float, float, float]
+Strength = Annotated[float, Field(ge=-1e30, le=1e30)]
+"""Of light. Maps are of 32 bits, and end at 3e38."""
+LightColour = tuple[Strength, Strength, Strength]
+Angle = Annotated[float, Field(ge=-1e6, le=1e6)]
+"""In degrees; of larger numbers of turns floats keep too little."""
 Degrees = Annotated[float, Field(gt=0, le=180)]
+
+
+def _leads_somewhere(direction: tuple[float, float, float]) -> tuple[float, float, float]:
+    if not 0.5 < np.linalg.norm(direction) < 2:
+        raise ValueError("a direction is a vector of length 1")
+    return direction
+
+
+Direction = Annotated[tuple[float, float, float], AfterValidator(_leads_somewhere)]
 
 
 class _Light(StrictModel):
@@ -72,7 +84,7 @@ class Picture(_Light):
     direction: Direction
     size_deg: Degrees
     """Across its width."""
-    turn_deg: float = 0.0
+    turn_deg: Angle = 0.0
     """Counter-clockwise as it is seen in the MatCap; at 0 its upper side is towards y."""
     name: str = ""
     """What it is called when it is moved."""

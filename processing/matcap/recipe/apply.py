@@ -3,9 +3,10 @@
 from pathlib import Path
 from typing import assert_never
 
+from litrig.base.errors import InputError
 from processing.matcap.matcap_exr import read_matcap
 from processing.matcap.model import DecomposedMatcap
-from processing.matcap.recipe.lighting import align, hang, move, paint, rotate
+from processing.matcap.recipe.lighting import StepError, align, hang, move, paint, rotate
 from processing.matcap.recipe.material import outline, recolour, roughen, scale
 from processing.matcap.recipe.mixing import take
 from processing.matcap.recipe.operations import (
@@ -24,20 +25,24 @@ from processing.matcap.recipe.operations import (
 from processing.matcap.recipe.recipe_toml import Recipe
 
 
-def apply_recipe(matcap: DecomposedMatcap, recipe: Recipe, folder: Path) -> DecomposedMatcap:
+def apply_recipe(matcap: DecomposedMatcap, recipe: Recipe, folder: Path, source: str = "recipe") -> DecomposedMatcap:
     """Do a recipe's steps one after the other.
 
     Parameters
     ----------
     folder : where files that the recipe names are looked for
+    source : what to call the recipe in errors
 
     Raises
     ------
     InputError, FormatError
         A file that a step names is missing or damaged, or there is nothing to do a step to.
     """
-    for step in recipe.steps:
-        matcap = _done(matcap, step, folder)
+    for number, step in enumerate(recipe.steps, 1):
+        try:
+            matcap = _done(matcap, step, folder)
+        except StepError as error:
+            raise InputError(f"{source}: step {number}, {step.op}: {error}") from error
     return matcap
 
 

@@ -17,12 +17,20 @@ from processing.matcap.recipe.operations import Align, Hang, Move, One, Paint, R
 from processing.matcap.render import seen, turned, warped
 
 F64 = NDArray[np.float64]
+
+
+class StepError(InputError):
+    """A step that cannot be done to this MatCap, though its files are good."""
+
+
+_ONE_DIRECTION = 1e-6
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
 def rotate(matcap: DecomposedMatcap, step: Rotate) -> DecomposedMatcap:
     """Turn both components alike, on top of what they are turned already."""
     axis = np.asarray(_AXES[step.axis] if isinstance(step.axis, str) else step.axis, np.float64)
+    axis = axis / np.abs(axis).max()
     turn = Rotation.from_rotvec(axis / np.linalg.norm(axis) * step.degrees, degrees=True)
     return _turned_on(matcap, turn, step.turns)
 
@@ -48,9 +56,21 @@ def highlight_direction(matcap: DecomposedMatcap) -> F64:
 
 
 def paint(matcap: DecomposedMatcap, step: Paint) -> DecomposedMatcap:
-    """Add a light. It stays where it is in the light when the material or the turn changes later."""
+    """Add a light. It stays where it is in the light when the material or the turn changes later.
+
+    Raises
+    ------
+    StepError
+        Both ends of a line or an edge are the same direction, or opposite ones: a sharp material shows straight behind
+        all along its rim.
+    """
     component = _component(matcap, step.component)
     at = _shown(component, step.at)
+    if step.to is not None and np.linalg.norm(np.cross(at, _shown(component, step.to))) < _ONE_DIRECTION:
+        raise StepError(
+            f"at {step.at[0]:g}, {step.at[1]:g} and to {step.to[0]:g}, {step.to[1]:g} the ball shows the same or "
+            f"opposite directions, between which there is no {step.shape}; move one of them"
+        )
     light: Light
     match step.shape:
         case "spot":
@@ -95,7 +115,7 @@ def move(matcap: DecomposedMatcap, step: Move) -> DecomposedMatcap:
 
     Raises
     ------
-    InputError
+    StepError
         Nothing hangs under it.
     """
     found = False
@@ -113,7 +133,7 @@ def move(matcap: DecomposedMatcap, step: Move) -> DecomposedMatcap:
             pictures.append(replace(hung, picture=hung.picture.model_copy(update=changes)))
         matcap = _with(matcap, which, replace(component, pictures=tuple(pictures)))
     if not found:
-        raise InputError(f"move: no picture hangs under the name {step.name!r}; hang it first")
+        raise StepError(f"no picture hangs under the name {step.name!r}; hang it first")
     return matcap
 
 

@@ -7,10 +7,10 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from litrig.base.config import StrictModel
-from processing.matcap.lights.model import Degrees, LightColour
+from processing.matcap.lights.model import Angle, Degrees, LightColour, Strength
 
 Spot2 = tuple[Annotated[float, Field(ge=-1, le=1)], Annotated[float, Field(ge=-1, le=1)]]
-NotNegative = Annotated[float, Field(ge=0)]
+NotNegative = Annotated[float, Field(ge=0, le=1e30)]
 Axis = Literal["x", "y", "z"] | tuple[float, float, float]
 
 
@@ -59,13 +59,13 @@ class Rotate(_Operation):
 
     op: Literal["rotate"] = "rotate"
     axis: Axis
-    degrees: float
+    degrees: Angle
     """Counter-clockwise seen against the axis: about y, what came from the camera goes to the right."""
     turns: Turns = Turns.LIGHT
 
     @model_validator(mode="after")
     def _has_an_axis(self) -> "Rotate":
-        if not isinstance(self.axis, str) and not np.linalg.norm(self.axis) > 0:
+        if not isinstance(self.axis, str) and not any(self.axis):
             raise ValueError("an axis of no length turns nothing; give one")
         return self
 
@@ -115,7 +115,7 @@ class Hang(_Operation):
     image: str
     at: Spot2
     size_deg: Degrees = 30.0
-    turn_deg: float = 0.0
+    turn_deg: Angle = 0.0
     colour: LightColour = (1.0, 1.0, 1.0)
     name: str = ""
     """By which it can be moved; what hung under that name before is taken down."""
@@ -128,7 +128,7 @@ class Move(_Operation):
     name: str
     at: Spot2 | None = None
     size_deg: Degrees | None = None
-    turn_deg: float | None = None
+    turn_deg: Angle | None = None
 
 
 class Roughness(_Operation):
@@ -136,9 +136,9 @@ class Roughness(_Operation):
 
     op: Literal["roughness"] = "roughness"
     component: Which = Which.HIGH
-    filter_size: NotNegative | None = None
+    filter_size: Annotated[float, Field(ge=0, le=10)] | None = None
     """The new ν, a variance in radians squared."""
-    degrees: NotNegative | None = None
+    degrees: Annotated[float, Field(ge=0, le=180)] | None = None
     """The same, as its square root in degrees."""
 
     @model_validator(mode="after")
@@ -161,7 +161,7 @@ class Colour(_Operation):
     component: Which = Which.BOTH
     base_colour: tuple[NotNegative, NotNegative, NotNegative] | None = None
     """Linear; the rest is done to it."""
-    hue_deg: float = 0.0
+    hue_deg: Angle = 0.0
     """Added."""
     saturation: NotNegative = 1.0
     """A factor; what would be more than pure stays pure."""
@@ -183,8 +183,8 @@ class Outline(_Operation):
     op: Literal["silhouette"] = "silhouette"
     component: Which = Which.BOTH
     start_deg: Annotated[float, Field(ge=0, lt=90)] = 45.0
-    rise: float = 0.5
-    slope: float = 0.0
+    rise: Strength = 0.5
+    slope: Strength = 0.0
 
 
 class Take(_Operation):

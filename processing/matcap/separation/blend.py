@@ -3,7 +3,7 @@
 A layer that multiplies is not among them: where the first is black it could not be told.
 """
 
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,6 @@ from litrig.base.errors import InputError
 
 Floats = NDArray[np.floating]
 Blend = Literal["add", "screen", "lighten"]
-BLENDS: tuple[Blend, ...] = get_args(Blend)
 
 
 def blended(low: Floats, high: Floats, blend: Blend) -> Floats:

@@ -2,14 +2,13 @@
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from litrig.base.errors import InputError
 from processing.matcap.disc import check_disc, disc_normals
-from processing.matcap.separation.blend import Blend, above
 from processing.matcap.separation.continuous import shadings_of
 from processing.matcap.separation.discrete import dilate, erode
 from processing.matcap.separation.envelope import outermost
@@ -21,7 +20,6 @@ F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Form = Literal["continuous", "discrete"]
-FORMS: tuple[Form, ...] = get_args(Form)
 
 TOLERANCE = 1e-4
 """Of the brightest value: a third of the darkest step of 8-bit sRGB."""
@@ -49,7 +47,6 @@ def separate(
     covered: Bools | None = None,
     ignored: Ignored = NOTHING,
     tolerance: float = TOLERANCE,
-    blend: Blend = "add",
     source: str = "the MatCap",
 ) -> Separation:
     """Take a MatCap apart, channel by channel.
@@ -62,7 +59,6 @@ def separate(
     ignored : what of the disc is no data either
     tolerance : how much brighter than by all constraints the continuous form may be, in parts of a channel's brightest
         value. 0 heeds them all
-    blend : how the layers make the picture
     source : what to call the picture in errors
 
     Raises
@@ -104,5 +100,5 @@ def separate(
     with ThreadPoolExecutor() as pool:
         for channel, opened in enumerate(pool.map(open_channel, range(3))):
             low[rows, columns, channel] = opened
-    high: F64 = np.asarray(above(np.where(inside[..., None], light, 0), low, blend), np.float64)
+    high: F64 = np.where(inside[..., None], light, 0) - low
     return Separation(low, high, known)

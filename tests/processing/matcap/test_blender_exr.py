@@ -99,3 +99,12 @@ def test_the_command_writes_halves_that_add_up_to_the_picture(tmp_path: Path) ->
     assert low.shape == (24, 24, 3) and high.std() > 0.02
     with pytest.raises(InputError, match="is a name of litrig's own"):
         CliRunner().invoke(matcap, [*arguments[:-1], str(tmp_path / "y.matcap.exr")], catch_exceptions=False)
+
+
+def test_light_that_half_floats_cannot_hold_is_cut_off_and_told(tmp_path: Path) -> None:
+    bright = analytic(16)
+    low = dataclasses.replace(bright.low, base_colour=(1e6, 1e6, 1e6))
+    write_matcap(tmp_path / "x.matcap.exr", dataclasses.replace(bright, low=low, picture_size=16))
+    found = CliRunner().invoke(matcap, ["export", str(tmp_path / "x.matcap.exr"), "-o", str(tmp_path / "x.exr")])
+    assert found.exit_code == 0 and "is cut off at 65504" in found.stderr
+    assert read_blender_matcap(tmp_path / "x.exr")[0].max() == 65504

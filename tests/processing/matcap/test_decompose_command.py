@@ -6,7 +6,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from litrig.base.errors import LitrigError
-from litrig.base.pictures import read_codes, write_picture
+from litrig.base.pictures import read_codes, write_codes, write_picture
 from litrig.base.table_normals import TableNormal
 from processing.matcap.cli import matcap
 from processing.matcap.disc import rim_distances_px
@@ -102,6 +102,14 @@ def test_a_blind_spot_can_be_painted(tmp_path: Path, kind: str) -> None:
         pytest.param(("no.png", "-o", "y.matcap.exr"), "no such file", id="missing"),
         pytest.param(("x.png", "large.png", "-o", "y.matcap.exr"), "layers of one size", id="two sizes"),
         pytest.param(("x.png", "-o", "y.matcap.exr"), "give --filter-sizes", id="too small to estimate"),
+        pytest.param(
+            ("x.png", "x.png", "-o", "y.matcap.exr", "--mask", "x.png", "--rim", 1, *SIZES),
+            "x.png: is taken as it is, .* leave out --mask, --rim",
+            id="options that change nothing",
+        ),
+        pytest.param(("x.png", "-o", "y.matcap.exr", "--blend", "screen", *SIZES), "leave out --blend", id="one layer"),
+        pytest.param(("clear.png", "x.png", "-o", "y.matcap.exr"), "clear.png: no pixel of the disc", id="transparent"),
+        pytest.param(("x.matcap.exr", "-o", "y.matcap.exr"), "x.matcap.exr: is decomposed already", id="no picture"),
         pytest.param(("x.png", "-o", "y.matcap.exr", "--blind-spot", "gold", *SIZES), "gold", id="no such fill"),
     ],
 )
@@ -110,12 +118,20 @@ def test_what_cannot_be_done_is_said_and_nothing_written(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     write_picture(tmp_path / "x.png", np.full((8, 8, 3), 0.5, np.float32))
+    write_codes(tmp_path / "clear.png", np.zeros((8, 8, 4), np.uint8))
     write_picture(tmp_path / "large.png", np.full((16, 16, 3), 0.5, np.float32))
     found = run(*arguments)
     assert isinstance(found.exception, LitrigError), found.output
     with pytest.raises(LitrigError, match=reason):
         raise found.exception
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["large.png", "x.png"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["clear.png", "large.png", "x.png"]
+
+
+def test_a_dark_base_colour_is_told_with_its_digits(tmp_path: Path) -> None:
+    write_picture(tmp_path / "x.exr", glossy(32) * 1e-6)
+    found = run(tmp_path / "x.exr", "-o", tmp_path / "x.matcap.exr", *SIZES, "--json")
+    kept = read_matcap(tmp_path / "x.matcap.exr").low.base_colour
+    assert 0 < kept[0] < 1e-5 and json.loads(found.stdout)["low_base_colour"] == pytest.approx(kept, rel=1e-4)
 
 
 def test_three_pictures_are_wrong_usage(tmp_path: Path) -> None:

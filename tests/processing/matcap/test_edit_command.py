@@ -87,10 +87,15 @@ def test_an_edited_file_holds_everything_that_was_done(gold: Path, tmp_path: Pat
     [
         (["--rotate", "w", 30], "'w' is no axis"),
         (["--rotate", "0,0,0", 30], "an axis of no length"),
+        (["--rotate", "nan,0,1", 30], "'nan,0,1' is no axis"),
         (["--paint", 1, 1, 5, 1, 1, 1], "is not on the ball"),
         (["--gain", -1, 1], "greater than or equal to 0"),
+        (["--paint", 0, 0, 5, 1e300, 1, 1], "less than or equal to 10000000000"),
         (["--silhouette", 90, 1, 1], "less than 90"),
         (["--roughness", -4], "greater than or equal to 0"),
+        (["--roughness", 1e300], "less than or equal to 180"),
+        (["--rotate", "y", 1e300], "less than or equal to 1000000"),
+        (["--rotate", "y", "nan"], "finite number"),
     ],
 )
 def test_what_makes_no_sense_is_wrong_usage(gold: Path, tmp_path: Path, options: list[object], reason: str) -> None:
@@ -99,9 +104,50 @@ def test_what_makes_no_sense_is_wrong_usage(gold: Path, tmp_path: Path, options:
     assert not (tmp_path / "y.png").exists()
 
 
+@pytest.mark.parametrize(
+    ("step", "reason"),
+    [
+        ('op = "move"\nname = "flag"', "step 2, move: no picture hangs under the name 'flag'"),
+        (
+            'op = "paint"\nshape = "line"\nat = [1, 0]\nto = [0, 1]',
+            "step 2, paint: at 1, 0 and to 0, 1 the ball shows the",
+        ),
+        (
+            'op = "paint"\nshape = "edge"\nat = [0, 0]\nto = [0, 1]',
+            "step 2, paint: at 0, 0 and to 0, 1 the ball shows the",
+        ),
+    ],
+)
+def test_a_step_that_cannot_be_done_is_named_with_its_recipe(tmp_path: Path, step: str, reason: str) -> None:
+    write_matcap(tmp_path / "mirror.matcap.exr", analytic(32, slopes=(1.0, 1.0)))
+    (tmp_path / "x.recipe.toml").write_text(f"[[steps]]\nop = 'gain'\n[[steps]]\n{step}")
+    with pytest.raises(InputError, match=rf"x\.recipe\.toml: {reason}"):
+        run("edit", tmp_path / "mirror.matcap.exr", "-o", tmp_path / "y.png", "--recipe", tmp_path / "x.recipe.toml")
+    assert not (tmp_path / "y.png").exists()
+
+
+@pytest.mark.parametrize("ending", ["png", "exr"])
+def test_a_ball_brighter_than_floats_is_refused(gold: Path, tmp_path: Path, ending: str) -> None:
+    with pytest.raises(InputError, match=rf"y\.{ending}: the ball is brighter than files can hold"):
+        run("edit", gold, "-o", tmp_path / f"y.{ending}", "--gain", 1e30, 1, "--value", 1e30)
+    assert not (tmp_path / f"y.{ending}").exists()
+
+
+def test_the_length_of_an_axis_does_not_matter(gold: Path, tmp_path: Path) -> None:
+    for name, axis in (("a", "1,1,0"), ("b", "1e300,1e300,0"), ("c", "1e-300,1e-300,0")):
+        assert run("edit", gold, "-o", tmp_path / f"{name}.exr", "--rotate", axis, 30).exit_code == 0
+    pictures = [read_linear(tmp_path / f"{name}.exr") for name in "abc"]
+    np.testing.assert_array_equal(pictures[0], pictures[1])
+    np.testing.assert_array_equal(pictures[0], pictures[2])
+
+
 def test_what_cannot_be_written_or_read_is_named(gold: Path, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"y\.bmp: cannot write"):
+    with pytest.raises(InputError, match=r"y\.bmp: cannot be written as \.bmp"):
         run("edit", gold, "-o", tmp_path / "y.bmp")
     with pytest.raises(InputError, match=r"none\.recipe\.toml: no such file"):
         run("edit", gold, "-o", tmp_path / "y.png", "--recipe", tmp_path / "none.recipe.toml")
+    with pytest.raises(InputError, match=r"x\.toml: cannot be written as \.toml; end it in \.recipe\.toml"):
+        run("edit", gold, "-o", tmp_path / "y.png", "--save-recipe", tmp_path / "x.toml")
+    with pytest.raises(InputError, match=r"x\.recipe\.toml: the folder .*no does not exist"):
+        run("edit", gold, "-o", tmp_path / "y.png", "--save-recipe", tmp_path / "no" / "x.recipe.toml")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["gold.matcap.exr"]

@@ -68,6 +68,17 @@ def test_a_degenerate_region_is_valid_json_too(picture: Path) -> None:
     assert facts["regions"][0]["variance"] is None
 
 
+def test_a_plot_is_not_drawn_over_the_picture(tmp_path: Path) -> None:
+    (tmp_path / "x.png").write_bytes(b"mine")
+    result = CliRunner().invoke(matcap, ["estimate", str(tmp_path / "x.png"), "--plot", str(tmp_path / "x.png")])
+    assert "x.png: is read; write to another name" in str(result.exception)
+    assert (tmp_path / "x.png").read_bytes() == b"mine"
+
+
+def test_a_quantile_that_is_no_number_is_wrong_usage(picture: Path) -> None:
+    assert CliRunner().invoke(matcap, ["estimate", str(picture), "--quantile", "nan"]).exit_code == 2
+
+
 @pytest.mark.parametrize("arguments", [("--roi", "0", "0", "2", "2"), ("--plot", "no-such-folder/x.png")])
 def test_wrong_input_is_named_and_nothing_is_written(picture: Path, tmp_path: Path, arguments: tuple[str, ...]) -> None:
     result = CliRunner().invoke(matcap, ["estimate", str(picture), *arguments])

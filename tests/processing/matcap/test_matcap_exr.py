@@ -176,6 +176,17 @@ def hanging_nothing() -> dict[str, Any]:
     return {"base_colour": [1, 1, 1], "slope": 1, "filter_size": 0, "pictures": [picture]}
 
 
+PLAIN_HIGH: dict[str, Any] = {"base_colour": [1, 1, 1], "slope": 1, "filter_size": 0}
+
+
+def turned_by(degrees: float) -> dict[str, Any]:
+    return {**PLAIN_HIGH, "light_turn_deg": [degrees, 0, 0]}
+
+
+def lit_from(*direction: float) -> dict[str, Any]:
+    return {**PLAIN_HIGH, "lights": [{"shape": "spot", "colour": [1, 1, 1], "direction": direction, "size_deg": 5}]}
+
+
 def other_kind(heads: list[dict[str, Any]], _: list[np.ndarray]) -> None:
     heads[2]["litrig.kind"] = "picture"
 
@@ -207,6 +218,10 @@ def not_a_number(_: list[dict[str, Any]], pixels: list[np.ndarray]) -> None:
         pytest.param(told(table_normal="sideways"), "table_normal", id="table normal"),
         pytest.param(told(extra=1), "extra", id="an unknown key"),
         pytest.param(told(version=4), "version", id="a later version"),
+        pytest.param(told(picture_size=10**9), "picture_size", id="a picture larger than memory"),
+        pytest.param(told(high=turned_by(1e300)), "high.light_turn_deg", id="more turns than floats hold"),
+        pytest.param(told(high={**PLAIN_HIGH, "filter_size": 1e300}), "high.filter_size", id="filter size"),
+        pytest.param(told(high=lit_from(0, 0, 0)), "high.lights.0.*direction", id="a light from nowhere"),
         pytest.param(
             told(low=hanging_nothing()), r"has parts .* not .* low\.picture\.0", id="a picture that is not there"
         ),

@@ -88,3 +88,9 @@ def test_it_goes_with_its_component_into_a_matcap_of_larger_maps() -> None:
     assert found.high.front.shape == (96, 96, 3)
     np.testing.assert_allclose(high_of(found)[INSIDE], high_of(WHOLE)[INSIDE], atol=2e-5)
     assert disc_picture(found).min() >= 0
+
+
+def test_a_component_brighter_than_its_floats_lacks_what_is_finite() -> None:
+    bright = dataclasses.replace(analytic(16).low, base_colour=(1e305, 1.0, 1.0))
+    kept = with_remainder(bright, np.full((16, 16, 3), 0.5)).remainder
+    assert kept is not None and np.all(np.isfinite(kept))

@@ -1,5 +1,6 @@
 import json
 from pathlib import Path
+from typing import get_args
 
 import cv2
 import numpy as np
@@ -10,7 +11,7 @@ from litrig.base.errors import LitrigError
 from litrig.base.pictures import read_codes, read_linear, write_exr, write_picture
 from processing.matcap.cli import matcap
 from processing.matcap.disc import disc_normals
-from processing.matcap.separation.blend import BLENDS, Blend, blended
+from processing.matcap.separation.blend import Blend, blended
 from tests.processing.matcap.discs import glossy, hard_edged, lambert
 
 
@@ -28,7 +29,7 @@ def test_exr_layers_add_up_to_the_picture_and_are_not_negative(tmp_path: Path, f
     np.testing.assert_allclose(low + high, whole, rtol=2e-7, atol=1e-9)
 
 
-@pytest.mark.parametrize("blend", BLENDS)
+@pytest.mark.parametrize("blend", get_args(Blend))
 def test_png_layers_give_the_codes_back_within_one(tmp_path: Path, blend: Blend) -> None:
     write_picture(tmp_path / "x.png", hard_edged(48))
     found = run("split", tmp_path / "x.png", "-o", tmp_path / "l.png", tmp_path / "h.png", "--blend", blend)
@@ -77,12 +78,29 @@ def test_the_alpha_of_a_png_counts(tmp_path: Path) -> None:
     assert read_linear(tmp_path / "l.exr")[16, 4:18].min() == pytest.approx(0.5, abs=0.01)
 
 
+def test_a_picture_too_bright_to_be_screened_leaves_neither_layer(tmp_path: Path) -> None:
+    write_picture(tmp_path / "x.exr", np.full((8, 8, 3), 2.0, np.float32))
+    layers = (tmp_path / "l.exr", tmp_path / "h.exr")
+    found = run("split", tmp_path / "x.exr", "-o", *layers, "--blend", "screen")
+    assert isinstance(found.exception, LitrigError) and "h.exr: a picture as bright as 2" in str(found.exception)
+    assert [path.name for path in tmp_path.iterdir()] == ["x.exr"]
+
+
+@pytest.mark.parametrize("option", ["--floor", "--rim", "--percentile", "--tolerance"])
+def test_what_is_no_number_is_wrong_usage(tmp_path: Path, option: str) -> None:
+    write_picture(tmp_path / "x.png", np.full((8, 8, 3), 0.5, np.float32))
+    found = run("split", tmp_path / "x.png", "-o", tmp_path / "l.png", tmp_path / "h.png", option, "nan")
+    assert found.exit_code == 2 and "not a finite number" in found.output
+
+
 @pytest.mark.parametrize(
     ("shape", "output", "reason"),
     [
         pytest.param((8, 9, 3), "l.png", "9 × 8 is no MatCap", id="not square"),
         pytest.param((8, 8, 3), "l.txt", "cannot be written as .txt", id="ending"),
         pytest.param((8, 8, 3), "no/l.png", "folder .* does not exist", id="folder"),
+        pytest.param((8, 8, 3), "x.png", "x.png: is read; write to another name", id="its own input"),
+        pytest.param((8, 8, 3), "h.png", "h.png: is to be written twice", id="one file for both"),
     ],
 )
 def test_what_cannot_be_split_is_refused_and_nothing_written(

@@ -1,11 +1,13 @@
+from typing import get_args
+
 import numpy as np
 import pytest
 
 from litrig.base.errors import InputError
-from processing.matcap.separation.blend import BLENDS, Blend, above, blended
+from processing.matcap.separation.blend import Blend, above, blended
 
 
-@pytest.mark.parametrize("blend", BLENDS)
+@pytest.mark.parametrize("blend", get_args(Blend))
 def test_the_layer_above_gives_the_picture_back(blend: Blend) -> None:
     draw = np.random.default_rng(0)
     picture = draw.random((9, 9, 3))
