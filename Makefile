@@ -18,8 +18,11 @@ demo: setup
 # What measures the simulators' own times has the machine to itself; all else keeps them also side by side.
 ALONE := tests/firmware_sim/camera tests/firmware_sim/udmx $(wildcard tests/firmware_sim/test_*.py)
 
+# One more than there are cores, since many tests wait for wires and processes.
+WORKERS = $(shell echo $$(( $$(nproc) + 1 )))
+
 test: setup
-	$(BIN)/python -m pytest -n auto --dist worksteal $(ALONE:%=--ignore=%)
+	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal $(ALONE:%=--ignore=%)
 	$(BIN)/python -m pytest $(ALONE)
 
 check: setup
