@@ -147,7 +147,12 @@ def figure_15(shop: Workshop) -> Rows:
     varied = (*both, "--roughness-texture", rough, "--roughest", "0", "24")
     return [
         [
-            Cell("(a) porcelain on a toy", shop.rendered("15-a", matcap, "cow"), inset=shop.source("porcelain")),
+            Cell(
+                "(a) porcelain on a toy",
+                shop.rendered("15-a", matcap, "cow"),
+                inset=shop.source("porcelain"),
+                on_right=True,
+            ),
             Cell("(b) low frequencies coloured", shop.rendered("15-b", matcap, "cow", *low)),
             Cell("(c) high ones too", shop.rendered("15-c", matcap, "cow", *both)),
             Cell("(d) rough but for the patches", shop.rendered("15-d", matcap, "cow", *varied)),

@@ -15,12 +15,16 @@ LIMIT_BYTES = 150_000
 
 
 class Cell(NamedTuple):
-    """A picture and what is written below it; a ball is cut out of the black that is around it."""
+    """A picture and what is written below it; a ball is cut out of the black that is around it.
+
+    An inset is a little ball in the upper corner, the left one or the right one.
+    """
 
     label: str
     picture: Path | Image.Image
     ball: bool = False
     inset: Path | None = None
+    on_right: bool = False
 
 
 def write_sheet(path: Path, rows: list[list[Cell]], cell_px: int = CELL_PX) -> None:
@@ -32,23 +36,28 @@ def write_sheet(path: Path, rows: list[list[Cell]], cell_px: int = CELL_PX) -> N
     for down, row in enumerate(rows):
         for right, cell in enumerate(row):
             x, y = GAP_PX + right * step, GAP_PX + down * tall
-            sheet.paste(_drawn(cell, cell_px), (x, y))
+            _lay(sheet, cell, cell_px, (x, y))
             if cell.inset is not None:
-                sheet.paste(_drawn(Cell("", cell.inset, ball=True), cell_px // 4), (x + 4, y + 4))
+                little = cell_px // 4
+                _lay(
+                    sheet,
+                    Cell("", cell.inset, ball=True),
+                    little,
+                    (x + (cell_px - little if cell.on_right else 4), y + 4),
+                )
             pen.text((x + cell_px / 2, y + cell_px + 3), cell.label, fill=INK, font=font, anchor="mt")
     path.write_bytes(_jpeg(sheet))
 
 
-def _drawn(cell: Cell, side: int) -> Image.Image:
+def _lay(sheet: Image.Image, cell: Cell, side: int, at: tuple[int, int]) -> None:
     opened = cell.picture if isinstance(cell.picture, Image.Image) else Image.open(cell.picture)
     picture = opened.convert("RGB").resize((side, side), Image.Resampling.LANCZOS)
     if not cell.ball:
-        return picture
+        sheet.paste(picture, at)
+        return
     mask = Image.new("L", (4 * side, 4 * side))
     ImageDraw.Draw(mask).ellipse((4, 4, 4 * side - 5, 4 * side - 5), fill=255)
-    return Image.composite(
-        picture, Image.new("RGB", picture.size, PAPER), mask.resize((side, side), Image.Resampling.LANCZOS)
-    )
+    sheet.paste(picture, at, mask.resize((side, side), Image.Resampling.LANCZOS))
 
 
 def _jpeg(sheet: Image.Image) -> bytes:
