@@ -102,10 +102,10 @@ median at most .5 % for spots and rings and 1 % for edges, the 90th percentile 2
 
 Spheres of gold (GGX of roughness .15 and .3) and of red plastic (.12 and .25) stand among soft panels, some of them
 behind, under a gradient sky; orthographic, linear, twice as many samples as the captures above. The picture is taken
-apart, its filters estimated, its light turned about y or x. The truth is rendered in turned surroundings. Beside
-ours, the picture itself is turned: looked up by turned normals, those that look away at the rim, or in the mirror
-image of the hemisphere that is seen. Figures are RMS errors relative to the truth's RMS, where n_z > .2. Goal: ours
-is nearer at every angle.
+apart, low frequencies as matt and the filter of high ones estimated, its light turned about y or x. The truth is
+rendered in turned surroundings. Beside ours, the picture itself is turned: looked up by turned normals, those that
+look away at the rim, or in the mirror image of the hemisphere that is seen. Figures are RMS errors relative to the
+truth's RMS, where n_z > .2. Goal: ours is nearer at every angle.
 
 {turns}
 
