@@ -21,7 +21,7 @@ GOAL = "≤ 70 ms"
 def comparisons() -> list[Comparison]:
     """Compare with every normal changed, and with one in ten."""
     buffers, light = _buffers(), _light()
-    changed = edit(buffers, Recipe(edit=(Noise(height=2, scale=30),))).normals
+    changed = edit(buffers, Recipe(steps=(Noise(height=2, scale=30),))).normals
     some = np.where((np.arange(SIDE) < SIDE // 10)[:, None, None], changed, buffers.normals)
     recomposer = Recomposer(buffers, light)
     _check(buffers, light, changed, recomposer)
@@ -33,7 +33,7 @@ def comparisons() -> list[Comparison]:
 
     what = "Recomposition of 1 MP"
     ours = (f"every normal changed, environments of 2 × {MAP}²", lambda: recomposer.picture(changed))
-    smooth, noise = Recipe(edit=(Smooth(radius=3),)), Recipe(edit=(Noise(height=2, scale=30),))
+    smooth, noise = Recipe(steps=(Smooth(radius=3),)), Recipe(steps=(Noise(height=2, scale=30),))
     return [
         compare(what, ours, ("the same in NumPy, double", lambda: in_numpy(buffers, light, changed)), goal=GOAL),
         compare(what, ours, ("copying all buffers", copy), goal=GOAL),

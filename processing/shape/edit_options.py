@@ -133,7 +133,7 @@ def _recipe(said: dict[str, Any]) -> "Recipe":
     from processing.shape.editing import operations as op
     from processing.shape.editing.recipe_toml import read_recipe
 
-    edits: list[op.AnyOperation] = list(read_recipe(said["recipe"]).edit) if said["recipe"] else []
+    edits: list[op.AnyOperation] = list(read_recipe(said["recipe"]).steps) if said["recipe"] else []
     every = {
         "surfaces": said["surfaces"],
         "mask": said["mask"] and Path(said["mask"]).absolute(),
@@ -160,7 +160,7 @@ def _recipe(said: dict[str, Any]) -> "Recipe":
     factors = {"diffuse": said["diffuse_factor"], "reflection": said["reflection_factor"]}
     if any(factor is not None for factor in factors.values()):
         edits.append(op.Factors(**{name: 1.0 if k is None else k for name, k in factors.items()}, **every))
-    return op.Recipe(edit=tuple(edits))
+    return op.Recipe(steps=tuple(edits))
 
 
 def _bump(said: dict[str, Any], relief: dict[str, Any]) -> "Bump":

@@ -69,11 +69,11 @@ def recompose(
     seen: set[int] = set()
     for job, edits in zip(jobs, recipes, strict=True):
         seen |= set(_shade(job, environments, edits, options, horizon))
-    if strange := sorted({number for one in recipe.edit for number in one.surfaces} - seen):
+    if strange := sorted({number for one in recipe.steps for number in one.surfaces} - seen):
         say(f"no frame shows surface {', '.join(map(str, strange))}")
     if save_recipe is not None:
         write_recipe(save_recipe, recipe)
-        click.echo(f"{save_recipe}: {len(recipe.edit)} edits")
+        click.echo(f"{save_recipe}: {len(recipe.steps)} steps")
 
 
 @dataclass(frozen=True)

@@ -62,10 +62,10 @@ def test_a_recipe_is_carried_out_on_the_card_as_on_the_processor(files: Path, tm
         Emboss(beta=0.7, surfaces=(7,)),
         Factors(diffuse=0.5, surfaces=(7,)),
     )
-    write_recipe(tmp_path / "x.recipe.toml", Recipe(edit=edits))
+    write_recipe(tmp_path / "x.recipe.toml", Recipe(steps=edits))
     words: list[str | Path | float] = ["--environment", files / "scene.env.exr", "--recipe", tmp_path / "x.recipe.toml"]
     run(files / "scene.exr", "-o", tmp_path / "x.exr", *words)
-    edited = edit(BUFFERS, Recipe(edit=edits))
+    edited = edit(BUFFERS, Recipe(steps=edits))
     truth = recompose_quickly(
         *(BUFFERS, LIGHT, edited.normals),
         diffuse_factor=edited.diffuse_factor,

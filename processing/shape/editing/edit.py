@@ -63,9 +63,9 @@ def edit(buffers: ShadingBuffers, recipe: Recipe, tell: Tell | None = None, *, i
     tell = tell or (lambda _: None)
     ones = np.ones(buffers.shape, np.float32)
     state = Edited(buffers.normals, buffers.positions, ones, ones)
-    for number, operation in enumerate(recipe.edit, 1):
+    for number, operation in enumerate(recipe.steps, 1):
         if operation.surfaces and not is_frame:
-            check_surfaces(buffers, operation.surfaces, f"edit {number}, {operation.operation}")
+            check_surfaces(buffers, operation.surfaces, f"step {number}, {operation.op}")
         weight = _weight(buffers, operation)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             state = _done(buffers, state, operation, weight, tell)
@@ -131,7 +131,7 @@ def _done(buffers: ShadingBuffers, state: Edited, operation: AnyOperation, weigh
 def _tell_lost(operation: AnyOperation, new: F32, weight: F32, tell: Tell) -> None:
     """Say where an edit leads beyond what numbers hold; `blended` keeps the old normals there."""
     if lost := int(np.count_nonzero((weight > 0) & ~np.isfinite(new).all(axis=-1))):
-        tell(f"{operation.operation} leads beyond all numbers in {lost} pixels, which keep their normals")
+        tell(f"{operation.op} leads beyond all numbers in {lost} pixels, which keep their normals")
 
 
 def _heights(buffers: ShadingBuffers, relief: Bump | Noise | Ripple) -> Heights:

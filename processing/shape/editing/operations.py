@@ -26,7 +26,7 @@ class Operation(StrictModel):
 class Emboss(Operation):
     """Let surfaces bulge: β·n_z in place of n_z (the Shape paper, section 5)."""
 
-    operation: Literal["emboss"] = "emboss"
+    op: Literal["emboss"] = "emboss"
     beta: Annotated[float, Field(gt=0, le=1)]
     """1 changes nothing."""
 
@@ -49,7 +49,7 @@ class Relief(Operation):
 class Bump(Relief):
     """A height map, or a decal."""
 
-    operation: Literal["bump"] = "bump"
+    op: Literal["bump"] = "bump"
     height: float | None = None
     """Of white over black; a twentieth of the size if left out."""
     heights: Path
@@ -73,7 +73,7 @@ class Bump(Relief):
 class Noise(Relief):
     """Gradient noise, as Perlin's."""
 
-    operation: Literal["noise"] = "noise"
+    op: Literal["noise"] = "noise"
     height: float
     """Of its largest features."""
     scale: _Positive
@@ -86,7 +86,7 @@ class Noise(Relief):
 class Ripple(Relief):
     """A wave around a point that fades with the distance (the Shape paper, figure 10)."""
 
-    operation: Literal["ripple"] = "ripple"
+    op: Literal["ripple"] = "ripple"
     height: float
     """Amplitude at the middle."""
     at: tuple[float, float]
@@ -100,7 +100,7 @@ class Ripple(Relief):
 class Smooth(Operation):
     """Average normals that are near in the picture and in depth (the Shape paper, section 5)."""
 
-    operation: Literal["smooth"] = "smooth"
+    op: Literal["smooth"] = "smooth"
     radius: Annotated[float, Field(gt=0, le=100)]
     """Standard deviation in pixels."""
     depth_radius: _Positive | None = None
@@ -110,7 +110,7 @@ class Smooth(Operation):
 class Painted(Operation):
     """Normals that were made elsewhere."""
 
-    operation: Literal["normals"] = "normals"
+    op: Literal["normals"] = "normals"
     file: Path
     """EXR of signed components, or a PNG or TIFF in which 0..1 stands for −1..1; of the buffers' size."""
     space: Literal["view", "surface"] = "view"
@@ -121,15 +121,17 @@ class Painted(Operation):
 class Factors(Operation):
     """Scale the two parts of the shading: k_D and k_R of equation 5."""
 
-    operation: Literal["factors"] = "factors"
+    op: Literal["factors"] = "factors"
     diffuse: _Factor = 1.0
     reflection: _Factor = 1.0
 
 
-AnyOperation = Annotated[Emboss | Bump | Noise | Ripple | Smooth | Painted | Factors, Field(discriminator="operation")]
+AnyOperation = Annotated[Emboss | Bump | Noise | Ripple | Smooth | Painted | Factors, Field(discriminator="op")]
 
 
 class Recipe(StrictModel):
-    """Operations in their order."""
+    """Steps, each done to what the one before left. Files are named as seen from the recipe's folder."""
 
-    edit: tuple[AnyOperation, ...] = ()
+    kind: Literal["shape"] = "shape"
+
+    steps: tuple[AnyOperation, ...] = ()

@@ -1,4 +1,4 @@
-"""`.recipe.toml`: edits of shape in their order, `[[edit]]` each. Files are named from the recipe's own folder."""
+"""`.recipe.toml`: edits of shape in their order, `[[steps]]` each. Files are named from the recipe's own folder."""
 
 import os
 from collections.abc import Callable
@@ -41,11 +41,10 @@ def write_recipe(path: Path, recipe: Recipe) -> None:
         raise InputError(f"{path}: cannot hold a recipe; end the name in {ENDING}")
     folder = path.absolute().parent
     told = _with_files(recipe, lambda file: Path(os.path.relpath(file.absolute(), folder)))
-    edits = [
-        {"operation": one.operation, **one.model_dump(mode="json", exclude_defaults=True, exclude_none=True)}
-        for one in told.edit
+    steps = [
+        {"op": one.op, **one.model_dump(mode="json", exclude_defaults=True, exclude_none=True)} for one in told.steps
     ]
-    write_atomically(path, tomli_w.dumps({"edit": edits}).encode())
+    write_atomically(path, tomli_w.dumps({"kind": recipe.kind, "steps": steps}).encode())
 
 
 def at_frame(recipe: Recipe, number: int) -> Recipe:
@@ -55,11 +54,11 @@ def at_frame(recipe: Recipe, number: int) -> Recipe:
 
 def files_of(recipe: Recipe) -> list[Path]:
     """Return the files that a recipe reads."""
-    return [file for one in recipe.edit for file in _files(one).values()]
+    return [file for one in recipe.steps for file in _files(one).values()]
 
 
 def _with_files(recipe: Recipe, change: Callable[[Path], Path]) -> Recipe:
-    return Recipe(edit=tuple(_changed(one, change) for one in recipe.edit))
+    return Recipe(steps=tuple(_changed(one, change) for one in recipe.steps))
 
 
 def _changed(one: AnyOperation, change: Callable[[Path], Path]) -> AnyOperation:

@@ -34,7 +34,7 @@ Floats = NDArray[np.float32]
 
 
 def edited(scene: ShadingBuffers, *operations: AnyOperation) -> Floats:
-    return edit(scene, Recipe(edit=operations)).normals
+    return edit(scene, Recipe(steps=operations)).normals
 
 
 def flat(width: int = 120, height: int = 80, n: tuple[float, float, float] = (0, 0, 1)) -> ShadingBuffers:
@@ -174,7 +174,7 @@ def test_a_decal_lies_on_a_slanted_surface_as_on_a_flat_one(slope_png: Path) -> 
 def test_displaced_positions_turn_normals_as_the_relief_does() -> None:
     """Two ways to the same surface: by the gradient, and by positions moved along the normals."""
     wave = Ripple(at=(45, 55), height=0.004, wavelength=0.25, fade=0.5, across="positions")
-    moved = edit(BALL, Recipe(edit=(wave.model_copy(update={"displace": True}),)))
+    moved = edit(BALL, Recipe(steps=(wave.model_copy(update={"displace": True}),)))
     tilted = edited(BALL, wave)
     inner = np.linalg.norm((BALL.positions - np.array(BALLS[2][0])) / 0.8 - BALL.normals, axis=-1) < 1e-3
     inner &= (BALL.normals[..., 2] > 0.6) & (
@@ -268,14 +268,14 @@ def test_detail_turns_with_the_surface_and_neutral_grey_is_none(tmp_path: Path) 
 
 
 def test_factors_are_scaled_where_they_are_said() -> None:
-    found = edit(BALL, Recipe(edit=(Factors(diffuse=0.5, surfaces=(2,)), Factors(diffuse=2, reflection=4))))
+    found = edit(BALL, Recipe(steps=(Factors(diffuse=0.5, surfaces=(2,)), Factors(diffuse=2, reflection=4))))
     np.testing.assert_array_equal(found.diffuse_factor, np.select([BALL.surfaces == 2, SHOWN], [1, 2], 1))
     np.testing.assert_array_equal(found.reflection_factor, np.where(SHOWN, 4, 1))
     np.testing.assert_array_equal(found.normals, BALL.normals)
 
 
 REFUSED: list[tuple[AnyOperation, str]] = [
-    (Emboss(beta=0.5, surfaces=(3,)), "edit 1, emboss: no surface 3 in the picture; there are 2, 7"),
+    (Emboss(beta=0.5, surfaces=(3,)), "step 1, emboss: no surface 3 in the picture; there are 2, 7"),
     (Ripple(at=(500, 5), height=1, wavelength=5, fade=5), "outside the picture of 150 × 120"),
     (Ripple(at=(1, 1), height=1, wavelength=5, fade=5, across="positions"), "shows no surface"),
     (Emboss(beta=0.5, mask=Path("no.png")), "no such file"),
@@ -305,7 +305,7 @@ def test_without_positions_nothing_lies_in_the_scene() -> None:
 
 
 def test_a_frame_may_lack_a_surface() -> None:
-    found = edit(BALL, Recipe(edit=(Emboss(beta=0.5, surfaces=(3,)),)), is_frame=True)
+    found = edit(BALL, Recipe(steps=(Emboss(beta=0.5, surfaces=(3,)),)), is_frame=True)
     np.testing.assert_array_equal(found.normals, BALL.normals)
 
 
@@ -321,7 +321,7 @@ def test_giant_heights_leave_unit_normals_that_face_the_eye(height: float) -> No
 def test_where_an_edit_leads_beyond_all_numbers_normals_are_kept_and_it_is_said(displace: bool) -> None:
     told: list[str] = []
     noise = Noise(height=1e38, scale=1e-30, across="positions", displace=displace)
-    made = edit(BALL, Recipe(edit=(noise,)), told.append)
+    made = edit(BALL, Recipe(steps=(noise,)), told.append)
     assert np.isfinite(made.normals).all() and np.isfinite(made.positions).all()
     assert len(told) == 1 and "noise leads beyond all numbers" in told[0]
 
@@ -334,7 +334,7 @@ def test_painted_normals_that_look_away_are_counted_and_giant_ones_refused(tmp_p
             {axis: np.ascontiguousarray(BALL.normals[..., k] * np.float32(factor)) for k, axis in enumerate("XYZ")},
             {},
         )
-    edit(BALL, Recipe(edit=(Painted(file=tmp_path / "away.exr"),)), told.append)
+    edit(BALL, Recipe(steps=(Painted(file=tmp_path / "away.exr"),)), told.append)
     assert len(told) == 1 and "away.exr has normals that look away from the camera in" in told[0]
     with pytest.raises(InputError, match="holds no numbers"):
-        edit(BALL, Recipe(edit=(Painted(file=tmp_path / "giant.exr"),)))
+        edit(BALL, Recipe(steps=(Painted(file=tmp_path / "giant.exr"),)))

@@ -9,7 +9,7 @@ from processing.shape.editing.recipe_toml import at_frame, read_recipe, write_re
 
 def everything(folder: Path) -> Recipe:
     return Recipe(
-        edit=(
+        steps=(
             Painted(file=folder / "n.exr", space="surface", green="down"),
             Smooth(radius=3, depth_radius=0.1, surfaces=(2, 7)),
             Emboss(beta=0.25, strength=0.5, mask=folder / "deep" / "mask.png"),
@@ -35,21 +35,22 @@ def test_a_recipe_moves_with_its_files(tmp_path: Path) -> None:
 
 
 def test_files_of_a_frame_have_its_number(tmp_path: Path) -> None:
-    recipe = at_frame(Recipe(edit=(Painted(file=tmp_path / "n.###.exr"), Emboss(beta=1, mask=Path("m.png")))), 7)
-    assert recipe.edit[0] == Painted(file=tmp_path / "n.007.exr")
-    assert recipe.edit[1].mask == Path("m.png")
+    recipe = at_frame(Recipe(steps=(Painted(file=tmp_path / "n.###.exr"), Emboss(beta=1, mask=Path("m.png")))), 7)
+    assert recipe.steps[0] == Painted(file=tmp_path / "n.007.exr")
+    assert recipe.steps[1].mask == Path("m.png")
 
 
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("[[edit]]\noperation = 'emboss'\nbeta = 0.5\nalpha = 1", "unknown key 'edit.0.emboss.alpha'"),
-        ("[[edit]]\noperation = 'emboss'", "beta' is missing"),
-        ("[[edit]]\noperation = 'emboss'\nbeta = 1.5", "less than or equal to 1"),
-        ("[[edit]]\noperation = 'carve'", "carve"),
-        ("[[edit]]\noperation = 'noise'\nheight = nan\nscale = 3", "finite"),
-        ("[[edit]]\noperation = 'noise'\nheight = 1\nscale = 3\ndisplace = true", 'across = "positions"'),
-        ("[[edit]]\noperation = 'bump'\nheights = 'h.png'\nacross = 'positions'", "give size"),
+        ("kind = 'matcap'\n[[steps]]\nop = 'rotate'\naxis = 'y'\ndegrees = 30", "kind: Input should be 'shape'"),
+        ("[[steps]]\nop = 'emboss'\nbeta = 0.5\nalpha = 1", "unknown key 'steps.0.emboss.alpha'"),
+        ("[[steps]]\nop = 'emboss'", "beta' is missing"),
+        ("[[steps]]\nop = 'emboss'\nbeta = 1.5", "less than or equal to 1"),
+        ("[[steps]]\nop = 'carve'", "carve"),
+        ("[[steps]]\nop = 'noise'\nheight = nan\nscale = 3", "finite"),
+        ("[[steps]]\nop = 'noise'\nheight = 1\nscale = 3\ndisplace = true", 'across = "positions"'),
+        ("[[steps]]\nop = 'bump'\nheights = 'h.png'\nacross = 'positions'", "give size"),
         ("edits = 1", "unknown key 'edits'"),
         ("[[edit", "not valid TOML"),
     ],

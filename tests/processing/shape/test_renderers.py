@@ -224,7 +224,7 @@ def test_whatever_a_few_pixels_hold_edits_stay_finite_or_the_file_is_refused(tmp
         return
     across: Any = "positions"
     edits = (Emboss(beta=0.5), Smooth(radius=2), Noise(height=0.1, scale=0.5, across=across, displace=True))
-    normals = edit(found, Recipe(edit=edits)).normals
+    normals = edit(found, Recipe(steps=edits)).normals
     assert np.all(np.isfinite(normals))
     np.testing.assert_allclose(np.linalg.norm(normals[found.surfaces > 0], axis=-1), 1, atol=1e-5)
 
