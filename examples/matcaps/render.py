@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from firmware_sim.mitsuba.scenes import film
 from firmware_sim.mitsuba.variants import best_variant, load_mitsuba
 
 F64 = NDArray[np.float64]
@@ -126,18 +127,10 @@ def render(material: dict[str, Any], light: F64, side_px: int = SIDE_PX, samples
     """Return the ball's picture (S, S, 3), linear, black where there is no ball."""
     mitsuba = load_mitsuba(best_variant())
     toward_ball = mitsuba.ScalarTransform4f().look_at([0, 0, 4], [0, 0, 0], [0, 1, 0])
-    film = {
-        "type": "hdrfilm",
-        "width": side_px,
-        "height": side_px,
-        "pixel_format": "rgba",
-        "component_format": "float32",
-        "rfilter": {"type": "box"},
-    }
     scene = {
         "type": "scene",
         "integrator": {"type": "direct", "hide_emitters": True},
-        "sensor": {"type": "orthographic", "to_world": toward_ball, "film": film},
+        "sensor": {"type": "orthographic", "to_world": toward_ball, "film": film(side_px, side_px)},
         "ball": {"type": "sphere", "bsdf": material},
         "light": {"type": "envmap", "bitmap": mitsuba.Bitmap(light.astype(np.float32))},
     }

@@ -45,6 +45,18 @@ def flat_pose(mitsuba: Any, scene: MitsubaScene, pose: Pose) -> Any:
     return mitsuba.ScalarTransform4f().rotate([0, 0, 1], pose.turntable_deg + scene.tangent_zero_deg)
 
 
+def film(width: int, height: int) -> Node:
+    """Describe a film whose pixels share no light with their neighbours."""
+    return {
+        "type": "hdrfilm",
+        "width": width,
+        "height": height,
+        "pixel_format": "rgba",
+        "component_format": "float32",
+        "rfilter": {"type": "box"},
+    }
+
+
 def _sample(mitsuba: Any, scene: MitsubaScene) -> Any:
     pose = Pose(0, 0, 90, 0)
     match scene.sample:
@@ -93,16 +105,13 @@ def _sensor(mitsuba: Any, scene: MitsubaScene, size: Size) -> Node:
     off_x = (scene.centre_x_px - REFERENCE_WIDTH / 2) * scale
     off_y = (scene.centre_y_px - REFERENCE_HEIGHT / 2) * scale
     radius = scene.radius_px * scale
-    film = {
-        "type": "hdrfilm",
-        "width": width,
-        "height": height,
-        "pixel_format": "rgba",
-        "component_format": "float32",
-        "rfilter": {"type": "box"},
-    }
     make = _orthographic if scene.projection == "orthographic" else _perspective
-    return {**make(mitsuba, scene, size, radius, (off_x, off_y)), "film": film, "near_clip": 0.1, "far_clip": 1e4}
+    return {
+        **make(mitsuba, scene, size, radius, (off_x, off_y)),
+        "film": film(width, height),
+        "near_clip": 0.1,
+        "far_clip": 1e4,
+    }
 
 
 def _perspective(

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from firmware_sim.mitsuba.lighting import map_directions
+from firmware_sim.mitsuba.scenes import film
 from firmware_sim.mitsuba.variants import load_mitsuba
 
 F32 = NDArray[np.float32]
@@ -85,20 +86,18 @@ def rendered(
     """
     mitsuba = load_mitsuba(variant)
     light = radiance(map_directions(ROWS), turn).astype(np.float32)
-    film = {
-        "type": "hdrfilm",
-        "width": side_px,
-        "height": side_px,
-        "pixel_format": "rgba",
-        "component_format": "float32",
-        "rfilter": {"type": "box"},
-    }
     camera = mitsuba.ScalarTransform4f().look_at([0, 0, 10], [0, 0, 0], [0, 1, 0])
     scene = mitsuba.load_dict(
         {
             "type": "scene",
             "integrator": {"type": "direct", "hide_emitters": True},
-            "sensor": {"type": "orthographic", "to_world": camera, "film": film, "near_clip": 0.1, "far_clip": 100.0},
+            "sensor": {
+                "type": "orthographic",
+                "to_world": camera,
+                "film": film(side_px, side_px),
+                "near_clip": 0.1,
+                "far_clip": 100.0,
+            },
             "ball": {"type": "sphere", "bsdf": material},
             "light": {"type": "envmap", "bitmap": mitsuba.Bitmap(light)},
         }

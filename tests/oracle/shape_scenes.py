@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware_sim.mitsuba.materials import Material
+from firmware_sim.mitsuba.scenes import film
 from processing.mesh.model import Mesh
 from tests.oracle.first_hit import PLUGIN, load_first_hit
 from tests.oracle.shape_light import PROBES, cells
@@ -145,19 +146,11 @@ def _dictionary(mi: Any, scene: Scene, side_px: int) -> dict[str, Any]:
     else:
         scaled = look @ transform.scale([scene.half_width, scene.half_width, 1])
         sensor = {"type": "orthographic", "to_world": scaled, "near_clip": 0.001}
-    film = {
-        "type": "hdrfilm",
-        "width": side_px,
-        "height": side_px,
-        "pixel_format": "rgba",
-        "component_format": "float32",
-        "rfilter": {"type": "box"},
-    }
     integrator = {"type": PLUGIN, "max_depth": 4 if scene.shadows else 2, "shadows": scene.shadows}
     described = {
         "type": "scene",
         "integrator": {"type": "aov", "aovs": AOVS, "first_hit": integrator},
-        "sensor": {**sensor, "film": film, "sampler": {"type": "independent"}},
+        "sensor": {**sensor, "film": film(side_px, side_px), "sampler": {"type": "independent"}},
         "light": {"type": "envmap", "bitmap": mi.Bitmap(PROBES[scene.probe]())},
         **{f"thing_{index}": _shape(mi, thing) for index, thing in enumerate(scene.things)},
     }
