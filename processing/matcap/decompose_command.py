@@ -85,6 +85,8 @@ def decompose(
     Blender's, an EXR with passes diffuse and specular, has both in one. The result can be
     lit from elsewhere, and made of another material.
     """
+    from litrig.base.console import reporting
+    from litrig.base.progress import Progress
     from litrig.base.table_normals import TableNormal
     from processing.matcap.decompose import decompose as take_apart
     from processing.matcap.matcap_exr import ENDING, write_matcap
@@ -92,20 +94,24 @@ def decompose(
     if len(images) > 2:
         raise click.BadParameter(f"{len(images)} pictures; give one, or a low and a high layer", param_hint="IMAGE")
     check_output(output, ENDING)
-    low, high, known, source = _layers(images, blend, separated)
-    painted = None if blind_spot in ("guided", "harmonic") else _painted(Path(blind_spot))
-    filters, remarks = _filters(images, low, high, filter_sizes, slopes)
-    found = take_apart(
-        low,
-        high,
-        known,
-        filters,
-        size=size,
-        fill="harmonic" if blind_spot == "harmonic" else "guided",
-        painted=painted,
-        table_normal=TableNormal(normal),
-        source=source,
-    )
+    with reporting() as report:
+        low, high, known, source = _layers(images, blend, separated)
+        report(Progress("decompose", 1, 3, "layers"))
+        painted = None if blind_spot in ("guided", "harmonic") else _painted(Path(blind_spot))
+        filters, remarks = _filters(images, low, high, filter_sizes, slopes)
+        report(Progress("decompose", 2, 3, "filters"))
+        found = take_apart(
+            low,
+            high,
+            known,
+            filters,
+            size=size,
+            fill="harmonic" if blind_spot == "harmonic" else "guided",
+            painted=painted,
+            table_normal=TableNormal(normal),
+            source=source,
+        )
+        report(Progress("decompose", 3, 3, "maps"))
     write_matcap(output, found)
     facts: dict[str, Any] = {"file": str(output), "size": len(found.low.front)}
     for name, component in (("low", found.low), ("high", found.high)):

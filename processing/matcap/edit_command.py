@@ -89,11 +89,12 @@ def edit(file: Path, output: Path, recipes: tuple[Path, ...], save_recipe: Path 
 
     Recipes come first, then options in the order of this list. Without any, a picture is the one that was taken apart.
     """
+    from litrig.base.console import reporting
     from processing.matcap.matcap_exr import ENDING, read_matcap, write_matcap
     from processing.matcap.picture_file import write_disc
     from processing.matcap.recipe.apply import apply_recipe
-    from processing.matcap.recipe.recipe_toml import ENDING as RECIPE_ENDING
     from processing.matcap.recipe.recipe_toml import Recipe, read_recipe, rebased, write_recipe
+    from processing.recipe_toml import ENDING as RECIPE_ENDING
 
     check_output(output, ENDING, *PICTURES)
     if save_recipe is not None:
@@ -101,8 +102,9 @@ def edit(file: Path, output: Path, recipes: tuple[Path, ...], save_recipe: Path 
     wanted = [(read_recipe(path), path.parent, str(path)) for path in recipes]
     wanted.append((Recipe(steps=_steps(options)), Path(), str(file)))
     matcap = read_matcap(file)
-    for recipe, folder, source in wanted:
-        matcap = apply_recipe(matcap, recipe, folder, source)
+    with reporting() as report:
+        for recipe, folder, source in wanted:
+            matcap = apply_recipe(matcap, recipe, folder, source, report)
     if output.name.lower().endswith(ENDING):
         write_matcap(output, matcap)
     else:

@@ -52,7 +52,10 @@ def recompose(
     shot.####.exr: all frames that are there are shaded with the same environments. Masks, normals and height maps may
     be named so too.
     """
-    from processing.shape.editing.recipe_toml import ENDING, at_frame, files_of, write_recipe
+    from litrig.base.console import reporting
+    from litrig.base.progress import Progress
+    from processing.recipe_toml import ENDING
+    from processing.shape.editing.recipe_toml import at_frame, files_of, write_recipe
     from processing.shape.env_exr import read_environments
 
     check_output(output, *PICTURES)
@@ -67,8 +70,11 @@ def recompose(
     check_kept([path for job in jobs for path in (job.output, job.normals_out)], [environment, *read])
     environments = read_environments(environment)
     seen: set[int] = set()
-    for job, edits in zip(jobs, recipes, strict=True):
-        seen |= set(_shade(job, environments, edits, options, horizon))
+    with reporting() as report:
+        for done, (job, edits) in enumerate(zip(jobs, recipes, strict=True), 1):
+            seen |= set(_shade(job, environments, edits, options, horizon))
+            if len(jobs) > 1:
+                report(Progress("recompose", done, len(jobs), job.output.name))
     if strange := sorted({number for one in recipe.steps for number in one.surfaces} - seen):
         say(f"no frame shows surface {', '.join(map(str, strange))}")
     if save_recipe is not None:

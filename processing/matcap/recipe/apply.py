@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import assert_never
 
 from litrig.base.errors import InputError
+from litrig.base.progress import Progress, Report, silent
 from processing.matcap.matcap_exr import read_matcap
 from processing.matcap.model import DecomposedMatcap
 from processing.matcap.recipe.lighting import StepError, align, hang, move, paint, rotate
@@ -25,7 +26,9 @@ from processing.matcap.recipe.operations import (
 from processing.matcap.recipe.recipe_toml import Recipe
 
 
-def apply_recipe(matcap: DecomposedMatcap, recipe: Recipe, folder: Path, source: str = "recipe") -> DecomposedMatcap:
+def apply_recipe(
+    matcap: DecomposedMatcap, recipe: Recipe, folder: Path, source: str = "recipe", report: Report = silent
+) -> DecomposedMatcap:
     """Do a recipe's steps one after the other.
 
     Parameters
@@ -43,6 +46,7 @@ def apply_recipe(matcap: DecomposedMatcap, recipe: Recipe, folder: Path, source:
             matcap = _done(matcap, step, folder)
         except StepError as error:
             raise InputError(f"{source}: step {number}, {step.op}: {error}") from error
+        report(Progress(f"steps on {source}", number, len(recipe.steps), step.op))
     return matcap
 
 

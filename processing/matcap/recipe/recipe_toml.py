@@ -4,14 +4,10 @@ import os
 from pathlib import Path
 from typing import Literal
 
-import tomli_w
-
 from litrig.base.config import StrictModel, read_toml
-from litrig.base.errors import InputError
-from litrig.base.files import write_atomically
 from processing.matcap.recipe.operations import Operation
+from processing.recipe_toml import write_steps
 
-ENDING = ".recipe.toml"
 _FILE_KEYS = ("image", "to_file", "from_file")
 
 
@@ -41,14 +37,7 @@ def write_recipe(path: Path, recipe: Recipe) -> None:
     InputError
         The name does not end in .recipe.toml, or the file cannot be written.
     """
-    if not path.name.lower().endswith(ENDING):
-        raise InputError(f"{path}: cannot hold a recipe; end the name in {ENDING}")
-    steps = [
-        # The rest is what it would be without being said.
-        {"op": step.op, **step.model_dump(mode="json", exclude_defaults=True, exclude_none=True)}
-        for step in recipe.steps
-    ]
-    write_atomically(path, tomli_w.dumps({"kind": recipe.kind, "steps": steps}).encode())
+    write_steps(path, recipe.kind, [(step.op, step) for step in recipe.steps])
 
 
 def rebased(recipe: Recipe, before: Path, after: Path) -> Recipe:

@@ -4,15 +4,10 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
-import tomli_w
-
 from litrig.base.config import read_toml
-from litrig.base.errors import InputError
-from litrig.base.files import write_atomically
+from processing.recipe_toml import write_steps
 from processing.shape.editing.operations import AnyOperation, Recipe
 from processing.shape.frames import frame
-
-ENDING = ".recipe.toml"
 
 
 def read_recipe(path: Path) -> Recipe:
@@ -37,14 +32,9 @@ def write_recipe(path: Path, recipe: Recipe) -> None:
     InputError
         The name does not end in .recipe.toml, or the file cannot be written.
     """
-    if not path.name.lower().endswith(ENDING):
-        raise InputError(f"{path}: cannot hold a recipe; end the name in {ENDING}")
     folder = path.absolute().parent
     told = _with_files(recipe, lambda file: Path(os.path.relpath(file.absolute(), folder)))
-    steps = [
-        {"op": one.op, **one.model_dump(mode="json", exclude_defaults=True, exclude_none=True)} for one in told.steps
-    ]
-    write_atomically(path, tomli_w.dumps({"kind": recipe.kind, "steps": steps}).encode())
+    write_steps(path, recipe.kind, [(step.op, step) for step in told.steps])
 
 
 def at_frame(recipe: Recipe, number: int) -> Recipe:

@@ -31,6 +31,7 @@ def test_the_file_draws_the_picture_that_went_in(tmp_path: Path) -> None:
     np.testing.assert_array_equal(read_codes(tmp_path / "same.png"), read_codes(tmp_path / "x.png"))
     told = json.loads(found.stdout)
     assert (told["low_filter_size"], told["high_slope"]) == (0.45, pytest.approx(slope_of(0.05), abs=1e-4))
+    assert "decompose: 3/3  maps" in found.stderr
     assert told["size"] == 128 and kept.picture_size == 64 and len(kept.source) == 64
 
 

@@ -46,6 +46,7 @@ def test_options_and_the_recipe_that_they_save_do_the_same(gold: Path, tmp_path:
     recipe = tmp_path / "recipes" / "x.recipe.toml"
     told = run("edit", gold, "-o", tmp_path / "a.exr", *options, "--save-recipe", recipe)
     assert "7 steps" in told.output
+    assert f"steps on {gold}: 7/7  paint" in told.stderr
     run("edit", gold, "-o", tmp_path / "b.exr", "--recipe", recipe)
     run("edit", gold, "-o", tmp_path / "c.matcap.exr", "--recipe", recipe)
     run("edit", tmp_path / "c.matcap.exr", "-o", tmp_path / "d.exr")
